@@ -1,0 +1,1 @@
+"""The shell between the outside world and `study`."""

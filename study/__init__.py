@@ -1,0 +1,1 @@
+"""What the experiment is: pure, without sockets, SQL, files or a wall clock."""

@@ -14,9 +14,9 @@
     │   └── UnknownCondition
     └── WrongMoment             right request, wrong time
         ├── WrongStep           a form or socket for another step than the current one
-        └── NotAllowedLive      a rehearsal aid (time scale, lock-step) asked for by a live participant
+        └── NotAllowedLive      a rehearsal aid asked for by a live participant
 
-The sentence of an error says what happened, where, and what to do next. This module imports nothing.
+An error's sentence says what happened, where, and what to do next. This module imports nothing.
 """
 
 from __future__ import annotations
