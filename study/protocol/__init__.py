@@ -1,0 +1,1 @@
+"""The protocol of a study: its steps, its orders and its questionnaires."""
