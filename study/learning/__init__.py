@@ -1,0 +1,1 @@
+"""Visualization policies: what they are, how they are stored and learned."""
