@@ -1,5 +1,6 @@
-// How the human moves in one input frame (1/30 s). The server runs the same arithmetic in the same
-// order (study/warehouse/kinematics.py); a test holds the two equal to the bit, so change both.
+// How the human moves in one input frame (1/30 s): push out of what is in the way, up to three times,
+// so that the body slides along walls, racks and robots. The server runs the same arithmetic in the
+// same order (study/warehouse/kinematics.py); a test holds the two equal to the bit: change both.
 
 export const KEY_W = 1;
 export const KEY_A = 2;
@@ -9,94 +10,116 @@ export const KEY_D = 8;
 /** Yaw is a 16-bit turn: 65536 steps anticlockwise from +x. */
 export const YAW_STEPS = 65536;
 
-const TABLE_SIZE = 4096;
-const SCALE = 16777216;
-const DIAGONAL = 0.70710678118654757;
+const SKIN = 1 / 8192;
+const BODY = 0.3 + SKIN;
+const BODY2 = BODY * BODY;
+const PAIR = 0.5 + SKIN;
+const PAIR2 = PAIR * PAIR;
+const BODY_MIN2 = 0.3 * 0.3;
+const PAIR_MIN2 = 0.5 * 0.5;
+const DIAGONAL = 0.7071067811865476;
+const PASSES = 3;
+
+/** @typedef {ReadonlyArray<ReadonlyArray<number>>} Solids rectangles x0, y0, x1, y1 in metres */
+/** @typedef {ReadonlyArray<ReadonlyArray<number>>} RobotPlaces x, y in metres, all robots in order */
+/** @typedef {{ x: number, y: number, contact: boolean }} Step where the human is; whether a robot was touched */
 
 /** Cosines of the 4096 directions, rounded to 2^-24 so that every machine has the same bits. */
-export const TRIG_TABLE = Float64Array.from(
-  { length: TABLE_SIZE },
-  (_, k) => Math.round(Math.cos((2 * Math.PI * k) / TABLE_SIZE) * SCALE) / SCALE,
-);
-
-/** @typedef {{ x_m: number, y_m: number, blocked: boolean }} HumanState */
-
-/**
- * @typedef {object} Hall what the human can bump into
- * @property {ReadonlyArray<ReadonlyArray<number>>} solids_m rectangles x0, y0, x1, y1
- * @property {number} human_speed_mps
- * @property {number} human_radius_m
- * @property {number} robot_radius_m
- */
-
-/** @typedef {ReadonlyArray<{ x_m: number, y_m: number }>} Robots */
-
-/**
- * Whether a circle at (x, y) overlaps any solid rectangle; touching is allowed.
- * @param {number} x @param {number} y @param {Hall} hall
- */
-function overlapsSolid(x, y, hall) {
-  const limit = hall.human_radius_m * hall.human_radius_m - 1e-9;
-  for (const solid of hall.solids_m) {
-    const x0 = /** @type {number} */ (solid[0]);
-    const y0 = /** @type {number} */ (solid[1]);
-    const x1 = /** @type {number} */ (solid[2]);
-    const y1 = /** @type {number} */ (solid[3]);
-    const ex = x - (x < x0 ? x0 : x > x1 ? x1 : x);
-    const ey = y - (y < y0 ? y0 : y > y1 ? y1 : y);
-    if (ex * ex + ey * ey < limit) return true;
-  }
-  return false;
+export function trigTable() {
+  const table = new Float64Array(4096);
+  for (let k = 0; k < 4096; k += 1)
+    table[k] = Math.floor(Math.cos((2 * Math.PI * k) / 4096) * 16777216 + 0.5) / 16777216;
+  return table;
 }
 
+/** The coordinate of an interval nearest to a point. @param {number} p @param {number} low @param {number} high */
+const nearest = (p, low, high) => (p < low ? low : p > high ? high : p);
+
+/** @param {ReadonlyArray<number>} row @param {number} at */
+const entry = (row, at) => /** @type {number} */ (row[at]);
+
 /**
- * Whether a move from (x, y) to (nx, ny) would press into a robot and come closer to it.
- * @param {number} x @param {number} y @param {number} nx @param {number} ny
- * @param {Hall} hall @param {Robots} robots
+ * One pass over everything solid: whoever overlaps pushes the human out along the shortest way.
+ * @param {{ x: number, y: number, contact: boolean, inside: boolean }} at changed in place
+ * @param {Solids} solids @param {RobotPlaces} robots @returns {boolean} whether anything pushed
  */
-function pressesRobot(x, y, nx, ny, hall, robots) {
-  const reach = hall.human_radius_m + hall.robot_radius_m;
-  const limit = reach * reach - 1e-9;
+function pushOut(at, solids, robots) {
+  let moved = false;
+  for (const solid of solids) {
+    const qx = nearest(at.x, entry(solid, 0), entry(solid, 2));
+    const qy = nearest(at.y, entry(solid, 1), entry(solid, 3));
+    moved = pushFrom(at, qx, qy, BODY, BODY2) || moved;
+  }
   for (const robot of robots) {
-    const ax = nx - robot.x_m;
-    const ay = ny - robot.y_m;
-    const after = ax * ax + ay * ay;
-    if (after >= limit) continue;
-    const bx = x - robot.x_m;
-    const by = y - robot.y_m;
-    if (after < bx * bx + by * by) return true;
+    const ux = at.x - entry(robot, 0);
+    const uy = at.y - entry(robot, 1);
+    if (ux * ux + uy * uy < PAIR2) at.contact = true;
+    moved = pushFrom(at, entry(robot, 0), entry(robot, 1), PAIR, PAIR2) || moved;
   }
-  return false;
+  return moved;
 }
 
 /**
- * One frame of motion: keys relative to the view, x first, then y; a blocked axis stays where it is.
- * @param {{ x_m: number, y_m: number }} state @param {number} keys bits KEY_*
- * @param {number} yaw u16 @param {Hall} hall @param {Robots} robots
- * @returns {HumanState} the new state; `blocked` when a robot stopped it
+ * @param {{ x: number, y: number, inside: boolean }} at @param {number} qx @param {number} qy
+ * @param {number} reach @param {number} reach2 its square @returns {boolean} whether it pushed
  */
-export function stepHuman(state, keys, yaw, hall, robots) {
+function pushFrom(at, qx, qy, reach, reach2) {
+  const ux = at.x - qx;
+  const uy = at.y - qy;
+  const d2 = ux * ux + uy * uy;
+  if (!(d2 < reach2)) return false;
+  if (d2 === 0) {
+    at.inside = true;
+    return false;
+  }
+  const g = reach / Math.sqrt(d2);
+  at.x = qx + ux * g;
+  at.y = qy + uy * g;
+  return true;
+}
+
+/** @param {number} x @param {number} y @param {Solids} solids @param {RobotPlaces} robots */
+function isFree(x, y, solids, robots) {
+  for (const solid of solids) {
+    const ux = x - nearest(x, entry(solid, 0), entry(solid, 2));
+    const uy = y - nearest(y, entry(solid, 1), entry(solid, 3));
+    if (ux * ux + uy * uy < BODY_MIN2) return false;
+  }
+  for (const robot of robots) {
+    const ux = x - entry(robot, 0);
+    const uy = y - entry(robot, 1);
+    if (ux * ux + uy * uy < PAIR_MIN2) return false;
+  }
+  return true;
+}
+
+/**
+ * One frame of motion, keys relative to the view.
+ * @param {{ x: number, y: number }} place metres @param {number} keys bits KEY_* @param {number} yaw u16
+ * @param {number} stepM human_speed_mps / 30 @param {Float64Array} cosines from trigTable()
+ * @param {Solids} solids @param {RobotPlaces} robots @returns {Step}
+ */
+export function stepHuman(place, keys, yaw, stepM, cosines, solids, robots) {
+  const { x, y } = place;
   const f = (keys & KEY_W ? 1 : 0) - (keys & KEY_S ? 1 : 0);
   const r = (keys & KEY_D ? 1 : 0) - (keys & KEY_A ? 1 : 0);
-  let { x_m: x, y_m: y } = state;
-  if (f === 0 && r === 0) return { x_m: x, y_m: y, blocked: false };
-  const k = (yaw & 65535) >> 4;
-  const c = /** @type {number} */ (TRIG_TABLE[k]);
-  const s = /** @type {number} */ (TRIG_TABLE[(k - 1024) & 4095]);
-  let step = hall.human_speed_mps / 30;
-  if (f !== 0 && r !== 0) step *= DIAGONAL;
-  const dx = (f * c + r * s) * step;
-  const dy = (f * s - r * c) * step;
-  let blocked = false;
-  const nx = x + dx;
-  if (!overlapsSolid(nx, y, hall)) {
-    if (pressesRobot(x, y, nx, y, hall, robots)) blocked = true;
-    else x = nx;
+  if (f === 0 && r === 0) return { x, y, contact: false };
+  const k = yaw >> 4;
+  const c = /** @type {number} */ (cosines[k]);
+  const s = /** @type {number} */ (cosines[(k - 1024) & 4095]);
+  let dx = f * c + r * s;
+  let dy = f * s - r * c;
+  if (f !== 0 && r !== 0) {
+    dx *= DIAGONAL;
+    dy *= DIAGONAL;
   }
-  const ny = y + dy;
-  if (!overlapsSolid(x, ny, hall)) {
-    if (pressesRobot(x, y, x, ny, hall, robots)) blocked = true;
-    else y = ny;
-  }
-  return { x_m: x, y_m: y, blocked };
+  dx *= stepM;
+  dy *= stepM;
+  const at = { x: x + dx, y: y + dy, contact: false, inside: false };
+  for (let pass = 0; pass < PASSES; pass += 1) if (!pushOut(at, solids, robots)) break;
+  const { contact } = at;
+  if (!at.inside && isFree(at.x, at.y, solids, robots)) return { x: at.x, y: at.y, contact };
+  if (isFree(x + dx, y, solids, robots)) return { x: x + dx, y, contact };
+  if (isFree(x, y + dy, solids, robots)) return { x, y: y + dy, contact };
+  return { x, y, contact };
 }

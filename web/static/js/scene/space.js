@@ -1,0 +1,34 @@
+// The hall's plan is in metres with y up the page; three.js has y up to the ceiling. Everything
+// crosses from one to the other here, and the heights that several parts must agree on are here too.
+
+/** Heights in metres. */
+export const CEILING_M = 5.4;
+export const RACK_TOP_M = 2.28;
+export const RACK_DECKS_M = Object.freeze([0.12, 0.84, 1.56]);
+export const ROBOT_TOP_M = 0.42;
+export const RIBBON_M = 0.02;
+
+/** Field of view, vertical, in degrees. */
+export const FIELD_OF_VIEW_DEG = 60;
+
+/** The camera looks along -z at rotation 0, the plan's heading 0 is +x. @param {number} heading radians */
+export const cameraTurn = (heading) => heading - Math.PI / 2;
+
+/** @param {number} cell lattice index along x @returns {number} metres */
+export const cellX = (cell) => 0.3 + 0.6 * cell;
+/** @param {number} cell lattice index along y @returns {number} metres */
+export const cellY = (cell) => 0.9 + 0.6 * cell;
+
+/**
+ * A small seeded generator (mulberry32), so that a hall looks the same in every browser.
+ * @param {number} seed @returns {() => number} values in [0, 1)
+ */
+export function seededRandom(seed) {
+  let state = seed >>> 0;
+  return () => {
+    state = (state + 0x6d2b79f5) >>> 0;
+    let t = Math.imul(state ^ (state >>> 15), 1 | state);
+    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
+    return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
+  };
+}
