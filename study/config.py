@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
+from study.ar.thresholds import Thresholds
 from study.protocol import demo_items
 from study.protocol.demo_texts import TEXTS
 from study.protocol.displays import SHOWN, ConditionName
@@ -31,19 +32,6 @@ class TrialPlan(Record):
     scale: ScaleName = "practice"
     condition: ConditionName = "none"
     tries: Annotated[int, Field(ge=1, le=20)] = 3
-
-
-class Thresholds(Record):
-    """Thresholds of the AR agents' states (our choice), seconds and metres."""
-
-    close_m: Annotated[float, Field(gt=0)] = 5.0
-    moderate_m: Annotated[float, Field(gt=0)] = 15.0
-    many_tasks: Annotated[int, Field(ge=1)] = 2
-    medium_wait_s: Annotated[float, Field(gt=0)] = 10.0
-    long_wait_s: Annotated[float, Field(gt=0)] = 30.0
-    nearby_m: Annotated[float, Field(gt=0)] = 3.5
-    many_nearby: Annotated[int, Field(ge=1)] = 3
-    many_at_station: Annotated[int, Field(ge=1)] = 1
 
 
 class Study(Record):

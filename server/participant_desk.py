@@ -1,0 +1,171 @@
+"""What participants' pages ask of the server: join, see the current step, send a form, withdraw.
+
+Each method is one transaction. The server owns progress: a step is left only when what belongs to
+it is committed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from server.store.engine import Database
+from server.store.moves import end_idle, move
+from server.store.participants import (
+    NewParticipant,
+    ParticipantRecord,
+    add_participant,
+    find_participant,
+    note_shown,
+)
+from server.store.responses import add_answers, read_answers
+from server.store.studies import keep_version, read_version
+from server.tokens import derive_token, looks_like_token
+from server.trial_desk import Clock, utc_now
+from study.config import Study
+from study.errors import AnswerError, UnknownStudy, UnknownToken, WrongStep
+from study.protocol.device import judge_device
+from study.protocol.flow import FormSent, Withdrawal, comes_before, start, step_kind
+from study.protocol.questionnaires import validate_answers
+
+LONGEST_PANEL_ID = 200
+
+
+@dataclass(frozen=True)
+class Visit:
+    """A participant at the door, with the study as it was when they joined."""
+
+    participant: ParticipantRecord
+    study: Study
+
+
+@dataclass(frozen=True)
+class ParticipantDesk:
+    """Owns the transactions of participants' pages."""
+
+    database: Database
+    studies: Mapping[str, Study]
+    secret_key: bytes
+    clock: Clock = utc_now
+    _versions: dict[int, Study] = field(default_factory=dict)
+
+    def find_study(self, study_id: str) -> Study:
+        """The study that can be joined under this id; raises `UnknownStudy`."""
+        if study_id not in self.studies:
+            raise UnknownStudy(study_id)
+        return self.studies[study_id]
+
+    async def register_studies(self) -> None:
+        """Store the current version of every study."""
+        async with self.database.writing() as session:
+            for study in self.studies.values():
+                await keep_version(session, study, self.clock())
+
+    async def join(self, study_id: str, nonce: str, panel: Mapping[str, str]) -> str:
+        """Token of whoever sent this landing page; sent twice, it is one participant."""
+        study = self.find_study(study_id)
+        token = derive_token(self.secret_key, study_id, nonce)
+        panel_ids = {
+            name: panel[name].replace("\x00", "")[:LONGEST_PANEL_ID]
+            for name in study.panel_fields
+            if panel.get(name)
+        }
+        now = self.clock()
+        async with self.database.writing() as session:
+            version = await keep_version(session, study, now)
+            newcomer = NewParticipant(
+                token=token,
+                study_version_id=version,
+                study_id=study_id,
+                mode=study.recruiting,
+                is_bot=False,
+                progress=start(study.plan),
+                panel_ids=panel_ids,
+            )
+            await add_participant(session, newcomer, now)
+        return token
+
+    async def visit(self, token: str) -> Visit:
+        """Who is at the door; notes that the page of the current step was shown."""
+        _check_token(token)
+        async with self.database.writing() as session:
+            participant = await find_participant(session, token)
+            await note_shown(session, participant.id, self.clock())
+        return Visit(participant, await self._study_of(participant))
+
+    async def look_up(self, token: str) -> Visit:
+        """Who is at the door, without noting anything."""
+        _check_token(token)
+        async with self.database.reading() as session:
+            participant = await find_participant(session, token)
+        return Visit(participant, await self._study_of(participant))
+
+    async def submit(self, token: str, step: str, form: Mapping[str, str]) -> None:
+        """Store a form and move on.
+
+        The same answers sent again to a step that is behind are welcome and change nothing; any
+        other form for another step raises `WrongStep`. Raises `AnswerError` for unfit answers.
+        """
+        visit = await self.look_up(token)
+        kind, _ = step_kind(step)
+        now = self.clock()
+        async with self.database.writing() as session:
+            participant = await find_participant(session, token, lock=True)
+            plan, progress = visit.study.plan, participant.progress
+            if step != progress.page:
+                stored = await read_answers(session, participant.id, step)
+                if comes_before(plan, step, progress) and _is_repeat(
+                    visit.study, kind, form, stored
+                ):
+                    return
+                raise WrongStep(step, progress.page)
+            answers = _validate(visit.study, kind, form)
+            await move(session, visit.study, participant, FormSent(step), now)
+            times = (participant.step_shown_at, now)
+            await add_answers(session, participant.id, step, answers, times)
+
+    async def withdraw(self, token: str) -> None:
+        """End the participation; doing so twice is the same as once."""
+        visit = await self.look_up(token)
+        async with self.database.writing() as session:
+            participant = await find_participant(session, token, lock=True)
+            await move(session, visit.study, participant, Withdrawal(), self.clock())
+
+    async def sweep(self) -> int:
+        """End participations that have been idle for too long; returns how many."""
+        ended = 0
+        for study in self.studies.values():
+            async with self.database.writing() as session:
+                ended += await end_idle(session, study, self.clock())
+        return ended
+
+    async def _study_of(self, participant: ParticipantRecord) -> Study:
+        version = participant.study_version_id
+        if version not in self._versions:
+            async with self.database.reading() as session:
+                self._versions[version] = await read_version(session, version)
+        return self._versions[version]
+
+
+def _check_token(token: str) -> None:
+    if not looks_like_token(token):
+        raise UnknownToken
+
+
+def _validate(study: Study, kind: str, form: Mapping[str, str]) -> dict[str, str]:
+    if kind == "browser-check":
+        return judge_device(form)
+    instrument = study.instrument(kind)
+    return {} if instrument is None else validate_answers(instrument, form)
+
+
+def _is_repeat(study: Study, kind: str, form: Mapping[str, str], stored: Mapping[str, str]) -> bool:
+    """Whether a form says again what is stored. Measurements of the browser may differ."""
+    if kind in ("practice", "trial", "debrief"):
+        return False
+    if kind == "browser-check":
+        return True
+    try:
+        return _validate(study, kind, form) == stored
+    except AnswerError:
+        return False

@@ -1,0 +1,104 @@
+"""Journals of running trials: chunks of inputs and events, each stored once however often sent."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy import select, update
+from sqlalchemy.dialects import postgresql, sqlite
+from sqlalchemy.ext.asyncio import AsyncSession
+
+from server.store.tables import Participant, Trial, TrialChunk, TrialEvent
+from study.records.events import JournalEvent
+from study.records.journal import JournalChunk
+
+if TYPE_CHECKING:
+    from datetime import datetime
+
+    from server.live.ports import TrialBatch
+
+_HASH = struct.Struct("<I8s")
+
+
+async def add_batches(session: AsyncSession, batches: Sequence[TrialBatch], now: datetime) -> None:
+    """Store new chunks and events of many trials; what is stored already is left alone."""
+    chunks = [_chunk_row(b.trial_id, b.chunk) for b in batches if b.chunk is not None]
+    events = [_event_row(b.trial_id, event) for b in batches for event in b.events]
+    await _insert_new(session, TrialChunk, chunks)
+    await _insert_new(session, TrialEvent, events)
+    newest = {batch.trial_id: batch for batch in batches}
+    if newest:
+        await session.execute(
+            update(Trial),
+            [{"id": b.trial_id, "ticks": b.tick, "phase": b.phase} for b in newest.values()],
+        )
+        await session.execute(
+            update(Participant)
+            .where(
+                Participant.id.in_(select(Trial.participant_id).where(Trial.id.in_(list(newest))))
+            )
+            .values(seen_at=now)
+        )
+
+
+async def read_journal(
+    session: AsyncSession, trial_id: str
+) -> tuple[tuple[JournalChunk, ...], tuple[JournalEvent, ...]]:
+    """Everything stored of a trial's journal, oldest first."""
+    chunks = await session.scalars(
+        select(TrialChunk).where(TrialChunk.trial_id == trial_id).order_by(TrialChunk.first_tick)
+    )
+    events = await session.scalars(
+        select(TrialEvent).where(TrialEvent.trial_id == trial_id).order_by(TrialEvent.number)
+    )
+    return tuple(_read_chunk(row) for row in chunks), tuple(_read_event(row) for row in events)
+
+
+async def _insert_new(
+    session: AsyncSession, table: type[TrialChunk | TrialEvent], rows: list[dict[str, Any]]
+) -> None:
+    if not rows:
+        return
+    dialect = session.get_bind().dialect.name
+    if dialect == "postgresql":
+        await session.execute(postgresql.insert(table).on_conflict_do_nothing(), rows)
+    else:
+        await session.execute(sqlite.insert(table).on_conflict_do_nothing(), rows)
+
+
+def _chunk_row(trial_id: str, chunk: JournalChunk) -> dict[str, Any]:
+    return {
+        "trial_id": trial_id,
+        "first_tick": chunk.first_tick,
+        "ticks": chunk.ticks,
+        "last_seq": chunk.last_seq,
+        "inputs": chunk.inputs,
+        "hashes": b"".join(_HASH.pack(tick, digest) for tick, digest in chunk.hashes),
+    }
+
+
+def _event_row(trial_id: str, event: JournalEvent) -> dict[str, Any]:
+    return {
+        "trial_id": trial_id,
+        "number": event.number,
+        "tick": event.tick,
+        "kind": event.kind,
+        "at": event.at_utc,
+        "data": dict(event.data),
+    }
+
+
+def _read_chunk(row: TrialChunk) -> JournalChunk:
+    return JournalChunk(
+        first_tick=row.first_tick,
+        ticks=row.ticks,
+        inputs=row.inputs,
+        hashes=tuple((tick, digest) for tick, digest in _HASH.iter_unpack(row.hashes)),
+        last_seq=row.last_seq,
+    )
+
+
+def _read_event(row: TrialEvent) -> JournalEvent:
+    return JournalEvent(row.number, row.tick, row.kind, row.at, row.data)

@@ -1,0 +1,273 @@
+"""Every table. Migrations under `migrations/versions/` make them; a test holds the two equal."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from typing import Any
+
+from sqlalchemy import (
+    JSON,
+    BigInteger,
+    CheckConstraint,
+    DateTime,
+    Dialect,
+    ForeignKey,
+    Index,
+    Integer,
+    LargeBinary,
+    MetaData,
+    String,
+    Text,
+    TypeDecorator,
+    UniqueConstraint,
+)
+from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+
+RowId = BigInteger().with_variant(Integer, "sqlite")
+
+
+class UtcTime(TypeDecorator[datetime]):
+    """A moment in UTC; SQLite forgets time zones, so they are put back on the way out."""
+
+    impl = DateTime(timezone=True)
+    cache_ok = True
+
+    def process_bind_param(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        """Refuse naive times at the door."""
+        del dialect
+        if value is not None and value.tzinfo is None:
+            raise ValueError("times are stored in UTC and must say so")
+        return value.astimezone(UTC) if value is not None else None
+
+    def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        """Give every time its zone."""
+        del dialect
+        if value is None:
+            return None
+        return value.astimezone(UTC) if value.tzinfo else value.replace(tzinfo=UTC)
+
+
+class Base(DeclarativeBase):
+    """Base of all tables, with named constraints so that migrations can find them."""
+
+    metadata = MetaData(
+        naming_convention={
+            "ix": "ix_%(column_0_label)s",
+            "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+            "ck": "ck_%(table_name)s_%(constraint_name)s",
+            "fk": "fk_%(table_name)s_%(column_0_name)s",
+            "pk": "pk_%(table_name)s",
+        }
+    )
+    type_annotation_map = {  # noqa: RUF012 - SQLAlchemy reads it as a plain class attribute
+        datetime: UtcTime(),
+        dict[str, Any]: JSON(),
+        bytes: LargeBinary(),
+    }
+
+
+class StudyVersion(Base):
+    """One version of a study, frozen: its canonical JSON and hash."""
+
+    __tablename__ = "study_versions"
+    id: Mapped[int] = mapped_column(RowId, primary_key=True)
+    study_id: Mapped[str] = mapped_column(String(40), index=True)
+    config_hash: Mapped[str] = mapped_column(String(64), unique=True)
+    config_json: Mapped[str] = mapped_column(Text)
+    added_at: Mapped[datetime]
+
+
+class Participant(Base):
+    """One participation. The token is stored hashed; panel ids live in a table of their own."""
+
+    __tablename__ = "participants"
+    __table_args__ = (
+        CheckConstraint("mode IN ('live', 'pilot', 'bot')", name="mode"),
+        CheckConstraint(
+            "outcome IN ('completed', 'screened-out', 'withdrawn', 'timed-out')", name="outcome"
+        ),
+        Index("ix_participants_study_mode", "study_id", "mode"),
+    )
+    id: Mapped[int] = mapped_column(RowId, primary_key=True)
+    code: Mapped[str] = mapped_column(String(20), unique=True)
+    token_hash: Mapped[str] = mapped_column(String(64), unique=True)
+    study_version_id: Mapped[int] = mapped_column(ForeignKey("study_versions.id"))
+    study_id: Mapped[str] = mapped_column(String(40))
+    mode: Mapped[str] = mapped_column(String(10))
+    is_bot: Mapped[bool]
+    step: Mapped[str] = mapped_column(String(40))
+    practice_tries: Mapped[int]
+    outcome: Mapped[str | None] = mapped_column(String(20))
+    block: Mapped[int | None]
+    order_index: Mapped[int | None]
+    joined_at: Mapped[datetime]
+    seen_at: Mapped[datetime]
+    step_shown_at: Mapped[datetime | None]
+    ended_at: Mapped[datetime | None]
+
+
+class PanelId(Base):
+    """What a recruitment panel calls a participant; apart from all research data."""
+
+    __tablename__ = "panel_ids"
+    participant_id: Mapped[int] = mapped_column(ForeignKey("participants.id"), primary_key=True)
+    name: Mapped[str] = mapped_column(String(40), primary_key=True)
+    value: Mapped[str] = mapped_column(String(200))
+
+
+class Claim(Base):
+    """The ledger of places in the design: rows are added, never changed."""
+
+    __tablename__ = "claims"
+    __table_args__ = (
+        CheckConstraint("kind IN ('claimed', 'completed', 'released')", name="kind"),
+        UniqueConstraint("participant_id", "kind"),
+        Index("ix_claims_study_mode", "study_id", "mode"),
+    )
+    id: Mapped[int] = mapped_column(RowId, primary_key=True)
+    study_id: Mapped[str] = mapped_column(String(40))
+    mode: Mapped[str] = mapped_column(String(10))
+    participant_id: Mapped[int] = mapped_column(ForeignKey("participants.id"))
+    block: Mapped[int]
+    order_index: Mapped[int]
+    kind: Mapped[str] = mapped_column(String(10))
+    reason: Mapped[str] = mapped_column(String(40))
+    at: Mapped[datetime]
+
+
+class Response(Base):
+    """One stored answer; never two for the same participant, step and item."""
+
+    __tablename__ = "responses"
+    __table_args__ = (UniqueConstraint("participant_id", "step", "item"),)
+    id: Mapped[int] = mapped_column(RowId, primary_key=True)
+    participant_id: Mapped[int] = mapped_column(ForeignKey("participants.id"))
+    step: Mapped[str] = mapped_column(String(40))
+    item: Mapped[str] = mapped_column(String(40))
+    item_order: Mapped[int]
+    value: Mapped[str] = mapped_column(Text)
+    shown_at: Mapped[datetime | None]
+    answered_at: Mapped[datetime]
+
+
+class Trial(Base):
+    """One trial with its full configuration and, once it ended, its measures."""
+
+    __tablename__ = "trials"
+    __table_args__ = (
+        UniqueConstraint("participant_id", "step", "attempt"),
+        CheckConstraint("status IN ('open', 'completed', 'timed_out', 'abandoned')", name="status"),
+        CheckConstraint("kind IN ('practice', 'trial')", name="kind"),
+    )
+    id: Mapped[str] = mapped_column(String(32), primary_key=True)
+    participant_id: Mapped[int] = mapped_column(ForeignKey("participants.id"))
+    step: Mapped[str] = mapped_column(String(40))
+    attempt: Mapped[int]
+    kind: Mapped[str] = mapped_column(String(10))
+    position: Mapped[int | None]
+    condition: Mapped[str] = mapped_column(String(40))
+    label: Mapped[str] = mapped_column(String(40))
+    scale: Mapped[str] = mapped_column(String(40))
+    seed: Mapped[int] = mapped_column(BigInteger)
+    config_hash: Mapped[str] = mapped_column(String(64))
+    config: Mapped[dict[str, Any]]
+    policy_sha256: Mapped[str | None] = mapped_column(ForeignKey("policies.sha256"))
+    status: Mapped[str] = mapped_column(String(20))
+    phase: Mapped[str] = mapped_column(String(20))
+    ticks: Mapped[int]
+    state_hash: Mapped[bytes | None]
+    opened_at: Mapped[datetime]
+    ended_at: Mapped[datetime | None]
+    duration_s: Mapped[float | None]
+    sum_wait_s: Mapped[float | None]
+    sum_completion_s: Mapped[float | None]
+    slowest_robot_s: Mapped[float | None]
+    human_path_m: Mapped[float | None]
+    human_still_s: Mapped[float | None]
+    blocked_by_human_s: Mapped[float | None]
+
+
+class TrialRobot(Base):
+    """Measures of one robot in one ended trial."""
+
+    __tablename__ = "trial_robots"
+    trial_id: Mapped[str] = mapped_column(ForeignKey("trials.id"), primary_key=True)
+    robot: Mapped[int] = mapped_column(primary_key=True)
+    boxes_delivered: Mapped[int]
+    wait_s: Mapped[float]
+    completion_s: Mapped[float | None]
+    path_m: Mapped[float]
+    longest_stall_s: Mapped[float]
+
+
+class TrialLeg(Base):
+    """One leg of a robot's work in one ended trial, in order."""
+
+    __tablename__ = "trial_legs"
+    trial_id: Mapped[str] = mapped_column(ForeignKey("trials.id"), primary_key=True)
+    number: Mapped[int] = mapped_column(primary_key=True)
+    robot: Mapped[int]
+    kind: Mapped[str] = mapped_column(String(20))
+    station: Mapped[int | None]
+    start_s: Mapped[float]
+    end_s: Mapped[float | None]
+
+
+class TrialEvent(Base):
+    """One event of a trial; `number` counts from 0 within the trial."""
+
+    __tablename__ = "trial_events"
+    trial_id: Mapped[str] = mapped_column(ForeignKey("trials.id"), primary_key=True)
+    number: Mapped[int] = mapped_column(primary_key=True)
+    tick: Mapped[int]
+    kind: Mapped[str] = mapped_column(String(40))
+    at: Mapped[datetime]
+    data: Mapped[dict[str, Any]]
+
+
+class TrialChunk(Base):
+    """About a second of the journal: the inputs consumed by each tick, and state hashes.
+
+    `hashes` is a sequence of 12-byte records: tick (u32, little endian) and 8 bytes of hash.
+    """
+
+    __tablename__ = "trial_chunks"
+    trial_id: Mapped[str] = mapped_column(ForeignKey("trials.id"), primary_key=True)
+    first_tick: Mapped[int] = mapped_column(primary_key=True)
+    ticks: Mapped[int]
+    last_seq: Mapped[int] = mapped_column(BigInteger)
+    inputs: Mapped[bytes]
+    hashes: Mapped[bytes]
+
+
+class StoredPolicy(Base):
+    """A policy file that some trial ran, by its hash."""
+
+    __tablename__ = "policies"
+    sha256: Mapped[str] = mapped_column(String(64), primary_key=True)
+    document: Mapped[str] = mapped_column(Text)
+    added_at: Mapped[datetime]
+
+
+class User(Base):
+    """A staff account."""
+
+    __tablename__ = "users"
+    __table_args__ = (CheckConstraint("role IN ('admin', 'expert')", name="role"),)
+    id: Mapped[int] = mapped_column(RowId, primary_key=True)
+    name: Mapped[str] = mapped_column(String(64), unique=True)
+    role: Mapped[str] = mapped_column(String(10))
+    password_hash: Mapped[str] = mapped_column(String(255))
+    session_key: Mapped[str] = mapped_column(String(32))
+    added_at: Mapped[datetime]
+
+
+class AuditEntry(Base):
+    """What a member of staff did; rows are added, never changed."""
+
+    __tablename__ = "audit"
+    id: Mapped[int] = mapped_column(RowId, primary_key=True)
+    at: Mapped[datetime]
+    user_name: Mapped[str] = mapped_column(String(64))
+    action: Mapped[str] = mapped_column(String(40))
+    detail: Mapped[str] = mapped_column(String(200))

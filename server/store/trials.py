@@ -1,0 +1,187 @@
+"""Trials: opened once per step and attempt, ended once, with everything needed to replay them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy import select, update
+from sqlalchemy.ext.asyncio import AsyncSession
+
+from server.store.tables import StoredPolicy, Trial, TrialLeg, TrialRobot
+from study.errors import NotFound
+
+if TYPE_CHECKING:
+    from server.live.ports import TrialResult
+
+
+class UnknownTrial(NotFound):
+    """No trial has this id."""
+
+    def __init__(self, trial_id: str) -> None:
+        self.trial_id = trial_id
+        super().__init__(
+            f"there is no trial “{trial_id[:40]}”", next_step="Take its id from the export."
+        )
+
+
+@dataclass(frozen=True)
+class TrialRecord:
+    """A stored trial; `config` holds everything that determines its world besides the inputs."""
+
+    id: str
+    participant_id: int
+    step: str
+    attempt: int
+    kind: str
+    position: int | None
+    condition: str
+    label: str
+    scale: str
+    seed: int
+    config_hash: str
+    config: Mapping[str, Any]
+    policy_sha256: str | None
+    status: str = "open"
+
+
+async def find_trial(
+    session: AsyncSession, participant_id: int, step: str, attempt: int
+) -> TrialRecord | None:
+    """The trial of this step and attempt (1-based), if it was opened before."""
+    row = await session.scalar(
+        select(Trial).where(
+            Trial.participant_id == participant_id, Trial.step == step, Trial.attempt == attempt
+        )
+    )
+    return None if row is None else _record(row)
+
+
+async def read_trial(session: AsyncSession, trial_id: str, *, lock: bool = False) -> TrialRecord:
+    """The trial with this id; raises `UnknownTrial`."""
+    query = select(Trial).where(Trial.id == trial_id)
+    row = await session.scalar(query.with_for_update() if lock else query)
+    if row is None:
+        raise UnknownTrial(trial_id)
+    return _record(row)
+
+
+async def add_trial(session: AsyncSession, trial: TrialRecord, now: datetime) -> None:
+    """Store a trial that is about to be opened."""
+    session.add(
+        Trial(
+            id=trial.id,
+            participant_id=trial.participant_id,
+            step=trial.step,
+            attempt=trial.attempt,
+            kind=trial.kind,
+            position=trial.position,
+            condition=trial.condition,
+            label=trial.label,
+            scale=trial.scale,
+            seed=trial.seed,
+            config_hash=trial.config_hash,
+            config=dict(trial.config),
+            policy_sha256=trial.policy_sha256,
+            status=trial.status,
+            phase="waiting",
+            ticks=0,
+            opened_at=now,
+        )
+    )
+    await session.flush()
+
+
+async def store_result(session: AsyncSession, trial_id: str, result: TrialResult) -> None:
+    """Note how a trial ended: its status, its measures, its robots and their legs."""
+    measures = result.measures
+    await session.execute(
+        update(Trial)
+        .where(Trial.id == trial_id)
+        .values(
+            status=result.status,
+            phase="finished",
+            ticks=result.ticks,
+            state_hash=result.state_hash,
+            ended_at=result.ended_at_utc,
+            duration_s=measures.duration_s,
+            sum_wait_s=measures.sum_wait_s,
+            sum_completion_s=measures.sum_completion_s,
+            slowest_robot_s=measures.slowest_robot_s,
+            human_path_m=measures.human_path_m,
+            human_still_s=measures.human_still_s,
+            blocked_by_human_s=measures.blocked_by_human_s,
+        )
+    )
+    session.add_all(
+        TrialRobot(
+            trial_id=trial_id,
+            robot=robot.robot,
+            boxes_delivered=robot.boxes_delivered,
+            wait_s=robot.wait_s,
+            completion_s=robot.completion_s,
+            path_m=robot.path_m,
+            longest_stall_s=robot.longest_stall_s,
+        )
+        for robot in measures.robots
+    )
+    session.add_all(
+        TrialLeg(
+            trial_id=trial_id,
+            number=number,
+            robot=leg.robot,
+            kind=leg.kind,
+            station=leg.station,
+            start_s=leg.start_s,
+            end_s=leg.end_s,
+        )
+        for number, leg in enumerate(measures.legs)
+    )
+    await session.flush()
+
+
+async def abandon_open(session: AsyncSession, participant_id: int, now: datetime) -> None:
+    """Mark what this participant left unfinished."""
+    await session.execute(
+        update(Trial)
+        .where(Trial.participant_id == participant_id, Trial.status == "open")
+        .values(status="abandoned", ended_at=now)
+    )
+
+
+async def keep_policy(session: AsyncSession, sha256: str, document: str, now: datetime) -> None:
+    """Store a policy file by its hash, once."""
+    if await session.get(StoredPolicy, sha256) is None:
+        session.add(StoredPolicy(sha256=sha256, document=document, added_at=now))
+        await session.flush()
+
+
+async def read_policies(session: AsyncSession, hashes: Iterable[str]) -> dict[str, str]:
+    """Texts of policy files by hash."""
+    rows = await session.execute(
+        select(StoredPolicy.sha256, StoredPolicy.document).where(
+            StoredPolicy.sha256.in_(list(hashes))
+        )
+    )
+    return dict(rows.tuples().all())
+
+
+def _record(row: Trial) -> TrialRecord:
+    return TrialRecord(
+        id=row.id,
+        participant_id=row.participant_id,
+        step=row.step,
+        attempt=row.attempt,
+        kind=row.kind,
+        position=row.position,
+        condition=row.condition,
+        label=row.label,
+        scale=row.scale,
+        seed=row.seed,
+        config_hash=row.config_hash,
+        config=row.config,
+        policy_sha256=row.policy_sha256,
+        status=row.status,
+    )

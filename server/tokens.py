@@ -1,0 +1,66 @@
+"""Participants' tokens: made so that a landing page can be sent twice but joined once.
+
+The landing page carries a random number; the token is a keyed hash of it. Sending the same form
+twice therefore leads to the same participant, although nothing was stored when the page was shown.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import hmac
+import logging
+import re
+import secrets
+
+_NONCE = re.compile(r"[A-Za-z0-9_-]{22}")
+_TOKEN = re.compile(r"[A-Za-z0-9_-]{32}")
+_IN_PATH = re.compile(r"(/(?:p|w)/)[^/?#\s\"']+")
+
+
+def make_nonce() -> str:
+    """128 random bits for a landing page."""
+    return secrets.token_urlsafe(16)
+
+
+def derive_token(secret_key: bytes, study_id: str, nonce: str) -> str:
+    """The participant's token for this landing page: 192 bits, url-safe.
+
+    Whatever is not a number we could have made counts as none: a new one is drawn.
+    """
+    if not _NONCE.fullmatch(nonce):
+        nonce = make_nonce()
+    digest = hmac.digest(secret_key, f"join\x1f{study_id}\x1f{nonce}".encode(), hashlib.sha256)
+    return base64.urlsafe_b64encode(digest[:24]).decode()
+
+
+def looks_like_token(text: str) -> bool:
+    """Whether this could be a token at all."""
+    return _TOKEN.fullmatch(text) is not None
+
+
+def mask_tokens(text: str) -> str:
+    """The text with the tokens in addresses replaced."""
+    return _IN_PATH.sub(r"\1***", text)
+
+
+class TokenMask(logging.Filter):
+    """Keeps tokens out of log lines, whichever part of the record they stand in."""
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Mask the message and its arguments; every record passes."""
+        if isinstance(record.msg, str):
+            record.msg = mask_tokens(record.msg)
+        if isinstance(record.args, tuple):
+            record.args = tuple(
+                mask_tokens(value) if isinstance(value, str) else value for value in record.args
+            )
+        return True
+
+
+def mask_server_logs() -> None:
+    """Put the mask on the loggers that write addresses."""
+    for name in ("uvicorn", "uvicorn.access", "uvicorn.error", "websockets", "varil"):
+        logger = logging.getLogger(name)
+        if not any(isinstance(known, TokenMask) for known in logger.filters):
+            logger.addFilter(TokenMask())

@@ -1,0 +1,178 @@
+"""Where the live loop gets trials from and leaves them: transactions around `server.store`."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any, cast
+
+from server.live.ports import Kind, OpenTrial, TrialBatch, TrialResult, TrialSetup
+from server.store.engine import Database
+from server.store.journals import add_batches, read_journal
+from server.store.moves import move
+from server.store.participants import (
+    ParticipantRecord,
+    find_participant,
+    note_shown,
+    read_participant,
+)
+from server.store.studies import read_version
+from server.store.trials import (
+    TrialRecord,
+    add_trial,
+    find_trial,
+    keep_policy,
+    read_policies,
+    read_trial,
+    store_result,
+)
+from study.config import Study
+from study.errors import NotAllowedLive, WrongStep
+from study.protocol.displays import display_label
+from study.protocol.flow import IdleTooLong, Submission, TrialEnded, is_trial, step_kind
+from study.protocol.orders import practice_seed, trial_seed
+from study.warehouse.halls import PRESETS, HallSpec
+
+if TYPE_CHECKING:
+    from study.learning.policy import Policy
+
+Clock = Callable[[], datetime]
+PolicySource = Callable[[Study, str], "Policy | None"]
+
+
+def utc_now() -> datetime:
+    """The wall clock."""
+    return datetime.now(UTC)
+
+
+def shipped_policy(study: Study, condition: str) -> Policy | None:
+    """The policy that a condition runs: for `varil` the initial one, everything on (paper)."""
+    from study.learning.policy import initial_policy
+
+    return initial_policy(study.thresholds) if condition == "varil" else None
+
+
+@dataclass(frozen=True)
+class StoredTrialDesk:
+    """Implements `server.live.ports.TrialDesk` on the database."""
+
+    database: Database
+    time_scale: float = 1.0
+    policy_for: PolicySource = shipped_policy
+    clock: Clock = utc_now
+
+    async def open_trial(self, token: str) -> OpenTrial:
+        """The participant's current trial; raises `UnknownToken`, `WrongStep`, `NotAllowedLive`."""
+        now = self.clock()
+        async with self.database.writing() as session:
+            participant = await find_participant(session, token, lock=True)
+            step = participant.progress.page
+            if participant.progress.outcome is not None or not is_trial(step):
+                raise WrongStep("live", step)
+            if participant.mode == "live" and self.time_scale != 1.0:
+                raise NotAllowedLive(f"a time scale of {self.time_scale:g}")
+            await note_shown(session, participant.id, now)
+            attempt = participant.progress.practice_tries + 1 if step == "practice" else 1
+            trial = await find_trial(session, participant.id, step, attempt)
+            if trial is None:
+                study = await read_version(session, participant.study_version_id)
+                trial, policy = self._plan_trial(study, participant, step, attempt)
+                if policy is not None:
+                    await keep_policy(session, policy.sha256, policy.to_json(), now)
+                await add_trial(session, trial, now)
+            journal, events = await read_journal(session, trial.id)
+            policies = await read_policies(session, [trial.policy_sha256 or ""])
+        document = policies.get(trial.policy_sha256 or "")
+        return OpenTrial(_setup(trial, participant.mode, document), journal, events)
+
+    async def commit(self, batches: Sequence[TrialBatch]) -> None:
+        """Store what all rooms added, in one transaction."""
+        async with self.database.writing() as session:
+            await add_batches(session, batches, self.clock())
+
+    async def finish(self, trial_id: str, result: TrialResult) -> None:
+        """Store the result and move the participant on, in one transaction; once only."""
+        now = self.clock()
+        async with self.database.writing() as session:
+            owner = (await read_trial(session, trial_id)).participant_id
+            participant = await read_participant(session, owner, lock=True)
+            trial = await read_trial(session, trial_id, lock=True)
+            if trial.status != "open":
+                return
+            await store_result(session, trial_id, result)
+            progress = participant.progress
+            if progress.outcome is None and progress.step == trial.step:
+                study = await read_version(session, participant.study_version_id)
+                submission: Submission = IdleTooLong()
+                if result.status != "abandoned":
+                    submission = TrialEnded(trial.step, result.status)
+                await move(session, study, participant, submission, now)
+
+    def _plan_trial(
+        self, study: Study, participant: ParticipantRecord, step: str, attempt: int
+    ) -> tuple[TrialRecord, Policy | None]:
+        """Everything that determines the trial besides the participant's inputs."""
+        kind, position = step_kind(step)
+        if position is None:
+            condition, scale = study.practice.condition, study.practice.scale
+            seed, label = practice_seed(study.seed, attempt), "Practice"
+        else:
+            slot = participant.slot
+            if slot is None:
+                raise RuntimeError(f"participant {participant.code} is at {step} without an order")
+            condition = cast("Any", study.orders[slot.order_index][position - 1])
+            seed, scale = trial_seed(study.seed, slot.block, position), study.scale
+            label = display_label(position)
+        policy = self.policy_for(study, condition)
+        trial = TrialRecord(
+            id=uuid.uuid4().hex,
+            participant_id=participant.id,
+            step=step,
+            attempt=attempt,
+            kind=kind,
+            position=position,
+            condition=condition,
+            label=label,
+            scale=scale,
+            seed=seed,
+            config_hash=study.config_hash,
+            config={
+                "hall": PRESETS[scale].to_json(),
+                "seed": seed,
+                "condition": condition,
+                "policy_sha256": policy.sha256 if policy else None,
+                "thresholds": study.thresholds.to_json(),
+                "ribbon_widest_at": study.ribbon_widest_at,
+                "time_scale": min(self.time_scale, study.time_scale_limit),
+                "on_disconnect": study.on_disconnect,
+                "abandon_after_s": study.abandon_after_s,
+            },
+            policy_sha256=policy.sha256 if policy else None,
+        )
+        return trial, policy
+
+
+def _setup(trial: TrialRecord, mode: str, policy_document: str | None) -> TrialSetup:
+    """What the live loop needs, read from what was stored when the trial was opened."""
+    policy = None
+    if policy_document is not None:
+        from study.learning.policy import read_policy
+
+        policy = read_policy(policy_document)
+    config = trial.config
+    return TrialSetup(
+        trial_id=trial.id,
+        kind=cast("Kind", trial.kind),
+        scale=trial.scale,
+        spec=HallSpec.from_json(config["hall"]),
+        seed=trial.seed,
+        condition=trial.condition,
+        policy=policy,
+        label=trial.label,
+        mode=mode,
+        time_scale=config["time_scale"],
+        on_disconnect=config["on_disconnect"],
+        abandon_after_s=config["abandon_after_s"],
+    )
