@@ -23,7 +23,7 @@ class ShownElements:
 
 _ROBOT = ("trajectory", "live-location", "transparent-avatar")
 
-SHOWN: Mapping[ConditionName, ShownElements] = {
+SHOWN: Mapping[str, ShownElements] = {
     "varil": ShownElements((*_ROBOT, "balloon"), adaptive=True),
     "arroch": ShownElements(_ROBOT),
     "crmiar": ShownElements(("trajectory", "path-beads", "minimap", "offscreen-arrows")),

@@ -1,0 +1,102 @@
+"""`create_app(settings, studies)`: the whole server. Nothing happens when this is imported."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import AsyncIterator, Sequence
+
+from fastapi import FastAPI
+from prometheus_client import CollectorRegistry
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import Response
+
+from server.deps import Services
+from server.locations import web_root
+from server.pages import admin, participant, service, staff
+from server.pages.errors import answer_error
+from server.pages.rendering import CachedFiles, Renderer
+from server.participant_desk import ParticipantDesk
+from server.security import Guard
+from server.settings import Settings
+from server.signin import SignIns
+from server.store.engine import Database, StorageAway, serve_alone
+from server.store.schema import check_schema
+from server.tokens import mask_server_logs
+from server.trial_desk import StoredTrialDesk
+from study.config import Study
+from study.errors import NotAllowedLive, StudyError
+
+SWEEP_EVERY_S = 60.0
+log = logging.getLogger("varil.server")
+
+
+def create_app(settings: Settings, studies: Sequence[Study]) -> FastAPI:
+    """The app for these studies. The database is touched when the app starts, not here.
+
+    Raises `NotAllowedLive` if the time scale is not 1 and a study recruits live participants.
+    """
+    for study in studies:
+        if study.recruiting == "live" and settings.time_scale != 1.0:
+            raise NotAllowedLive(f"a time scale of {settings.time_scale:g}")
+    services = _build_services(settings, studies)
+    app = FastAPI(
+        title="VARIL", docs_url=None, redoc_url=None, openapi_url=None, lifespan=_lifespan
+    )
+    app.state.services = services
+    for pages in (service, participant, staff, admin):
+        app.include_router(pages.router)
+    app.mount("/static", CachedFiles(directory=web_root() / "static", check_dir=False))
+
+    async def answer(request: Request, error: Exception, reference: str = "") -> Response:
+        return await answer_error(services.renderer, request, error, reference)
+
+    app.add_exception_handler(StudyError, answer)
+    app.add_exception_handler(HTTPException, answer)
+    app.add_middleware(Guard, error_page=answer, allowed_origins=tuple(settings.allowed_origins))
+    return app
+
+
+def _build_services(settings: Settings, studies: Sequence[Study]) -> Services:
+    key = settings.read_secret_key()
+    database = Database(settings.database)
+    return Services(
+        settings=settings,
+        database=database,
+        participants=ParticipantDesk(database, {s.study_id: s for s in studies}, key),
+        trials=StoredTrialDesk(database, settings.time_scale),
+        sign_ins=SignIns(key),
+        renderer=Renderer(web_root()),
+        metrics=CollectorRegistry(),
+    )
+
+
+@contextlib.asynccontextmanager
+async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
+    """Refuse to start on a database that is not ours to serve; then run until told to stop."""
+    services: Services = app.state.services
+    mask_server_logs()
+    with serve_alone(services.database):
+        try:
+            await check_schema(services.database)
+            await services.participants.register_studies()
+            sweeper = asyncio.create_task(_sweep_forever(services.participants))
+            try:
+                yield
+            finally:
+                sweeper.cancel()
+                await asyncio.gather(sweeper, return_exceptions=True)
+        finally:
+            await services.database.close()
+
+
+async def _sweep_forever(desk: ParticipantDesk) -> None:
+    """End idle participations once a minute, also after a storage failure."""
+    while True:
+        try:
+            await desk.sweep()
+        except StorageAway:
+            log.warning("idle participants were not looked for: the storage is away")
+        await asyncio.sleep(SWEEP_EVERY_S)

@@ -1,0 +1,89 @@
+"""What handlers may ask for in their signatures."""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, cast
+
+from fastapi import Depends, Request
+from prometheus_client import CollectorRegistry
+
+from server.pages.rendering import Renderer
+from server.participant_desk import ParticipantDesk
+from server.problems import RoleNeeded, SignInNeeded
+from server.settings import Settings
+from server.signin import COOKIE, SignIns
+from server.store.engine import Database
+from server.store.users import StaffRecord, read_user
+from server.trial_desk import StoredTrialDesk
+
+
+@dataclass(frozen=True)
+class Services:
+    """Everything that one app is made of; built by `create_app`, handed to handlers."""
+
+    settings: Settings
+    database: Database
+    participants: ParticipantDesk
+    trials: StoredTrialDesk
+    sign_ins: SignIns
+    renderer: Renderer
+    metrics: CollectorRegistry
+
+
+def get_services(request: Request) -> Services:
+    """The app's services."""
+    return cast("Services", request.app.state.services)
+
+
+ServicesDep = Annotated[Services, Depends(get_services)]
+
+
+def get_desk(services: ServicesDep) -> ParticipantDesk:
+    """The desk for participants."""
+    return services.participants
+
+
+def get_renderer(services: ServicesDep) -> Renderer:
+    """The page renderer."""
+    return services.renderer
+
+
+async def read_form(request: Request) -> Mapping[str, str]:
+    """The text fields of a sent form; of a field sent twice the last counts, files are ignored."""
+    form = await request.form(max_files=0, max_fields=200)
+    return {name: value for name, value in form.multi_items() if isinstance(value, str)}
+
+
+async def find_staff(request: Request, services: ServicesDep) -> StaffRecord | None:
+    """The signed-in account, if any; read anew each time, so a changed account counts at once."""
+    known = services.sign_ins.read(request.cookies.get(COOKIE, ""))
+    if known is None:
+        return None
+    user_id, key = known
+    async with services.database.reading() as session:
+        user = await read_user(session, user_id)
+    return user if user and secrets.compare_digest(user.session_key, key) else None
+
+
+async def require_staff(user: Annotated[StaffRecord | None, Depends(find_staff)]) -> StaffRecord:
+    """Any signed-in account; raises `SignInNeeded`."""
+    if user is None:
+        raise SignInNeeded
+    return user
+
+
+async def require_admin(user: Annotated[StaffRecord, Depends(require_staff)]) -> StaffRecord:
+    """A signed-in administrator; raises `SignInNeeded` or `RoleNeeded`."""
+    if user.role != "admin":
+        raise RoleNeeded("admin")
+    return user
+
+
+DeskDep = Annotated[ParticipantDesk, Depends(get_desk)]
+RendererDep = Annotated[Renderer, Depends(get_renderer)]
+FormDep = Annotated[Mapping[str, str], Depends(read_form)]
+StaffDep = Annotated[StaffRecord, Depends(require_staff)]
+AdminDep = Annotated[StaffRecord, Depends(require_admin)]

@@ -1,0 +1,1 @@
+"""The pages: what participants and staff read and send."""

@@ -1,0 +1,80 @@
+"""Pages and JSON for what went wrong: what happened, and what to do next."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import JSONResponse, RedirectResponse, Response
+
+from server.pages.rendering import Renderer
+from server.problems import Problem, SignInNeeded, problem_of
+from server.tokens import looks_like_token
+from study.errors import StudyError, UnknownToken
+
+_OURS = Problem(500, "Something went wrong on our side", 1011)
+_PERSONAL = re.compile(r"^/p/(?P<token>[^/]+)")
+_HEADLINES = {
+    404: "There is nothing at this address",
+    405: "This address does not take that kind of request",
+}
+
+
+async def answer_error(
+    renderer: Renderer, request: Request, error: Exception, reference: str = ""
+) -> Response:
+    """The answer to a request that failed; JSON where JSON was asked for, a page elsewhere."""
+    problem, what, next_step = _describe(error)
+    if _wants_json(request):
+        body = {"error": what, "next_step": next_step, "reference": reference}
+        return JSONResponse({k: v for k, v in body.items() if v}, problem.status)
+    if isinstance(error, SignInNeeded) and request.method == "GET":
+        return RedirectResponse("/login", 303)
+    values = {
+        "brand": "Studies with people and robots",
+        "headline": problem.headline,
+        "what": what[:1].upper() + what[1:],
+        "next_step": next_step,
+        "reference": reference,
+        "way_out": _way_out(request, error),
+    }
+    return renderer.page("error.html", values, problem.status)
+
+
+def _describe(error: Exception) -> tuple[Problem, str, str]:
+    if isinstance(error, StudyError):
+        return problem_of(error), error.what, error.next_step
+    if isinstance(error, HTTPException):
+        headline = _HEADLINES.get(error.status_code, "The server could not read this request")
+        what = {404: "the address may be incomplete or out of date"}.get(
+            error.status_code, f"the request was refused ({error.detail})"
+        )
+        return (
+            Problem(error.status_code, headline, 4400),
+            what,
+            "Check the address, or go back and try once more.",
+        )
+    return (
+        _OURS,
+        "the server made a mistake and noted it",
+        "What you sent may not have been stored. Please go back and try once more.",
+    )
+
+
+def _wants_json(request: Request) -> bool:
+    accepts = request.headers.get("accept", "")
+    machine = request.url.path.startswith(("/api/", "/healthz", "/readyz", "/metrics"))
+    return machine or ("application/json" in accepts and "text/html" not in accepts)
+
+
+def _way_out(request: Request, error: Exception) -> dict[str, Any]:
+    path = request.url.path
+    personal = _PERSONAL.match(path)
+    known = personal is not None and looks_like_token(personal["token"])
+    if personal is not None and known and not isinstance(error, UnknownToken):
+        return {"address": f"/p/{personal['token']}", "text": "Go to the current step"}
+    if path.startswith(("/admin", "/expert", "/login")):
+        return {"address": "/login", "text": "Go to your start page"}
+    return {"address": "/", "text": "Go to the start page"}

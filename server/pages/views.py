@@ -1,0 +1,134 @@
+"""What each participant page says: a template and its values, made from the visit alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from server.participant_desk import Visit
+from study.config import Study
+from study.protocol.device import FIELDS
+from study.protocol.displays import SHOWN, display_label
+from study.protocol.flow import step_kind
+
+
+@dataclass(frozen=True)
+class View:
+    """A template and its values."""
+
+    template: str
+    values: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Typed:
+    """What somebody typed into a form and what was wrong with it."""
+
+    values: Mapping[str, str]
+    problems: Mapping[str, str]
+
+
+NOTHING_TYPED = Typed({}, {})
+
+
+def view_step(visit: Visit, address: str, typed: Typed = NOTHING_TYPED) -> View:
+    """The page of the participant's current step, with what was typed if a form came back."""
+    step = visit.participant.progress.page
+    values = frame_values(visit, address) | {"step": step}
+    if step in visit.study.completion_codes or step == "debrief":
+        return View("ended.html", values | _ended_values(visit))
+    kind, position = step_kind(step)
+    if kind in ("practice", "trial"):
+        heading = "Practice" if position is None else display_label(position)
+        return View("play.html", values | {"heading": heading})
+    if kind == "explanation" and position is not None:
+        return View("explanation.html", values | _explanation_values(visit, position))
+    if kind == "instructions":
+        tries = visit.participant.progress.practice_tries
+        heading = visit.study.texts.instructions.title
+        return View("instructions.html", values | {"heading": heading, "tries_used": tries})
+    values |= {"values": typed.values, "problems": typed.problems}
+    if kind == "browser-check":
+        heading = visit.study.texts.browser_check.title
+        return View("browser-check.html", values | {"heading": heading, "fields": FIELDS})
+    return _items_view(visit.study, kind, position, values)
+
+
+def view_withdrawal(visit: Visit, address: str) -> View:
+    """The page that asks before withdrawing."""
+    return View("withdraw.html", frame_values(visit, address) | {"heading": "Withdraw?"})
+
+
+def frame_values(visit: Visit, address: str) -> dict[str, Any]:
+    """What every participant page needs."""
+    progress, plan = visit.participant.progress, visit.study.plan
+    early = progress.outcome not in (None, "completed")
+    return {
+        "study": visit.study,
+        "address": address,
+        "code": visit.participant.code,
+        "can_withdraw": progress.outcome in (None, "completed"),
+        "ended": progress.outcome is not None,
+        "progress": None
+        if early
+        else {
+            "step_number": plan.steps.index(progress.step) + 1,
+            "steps": len(plan.steps),
+        },
+    }
+
+
+def _items_view(study: Study, kind: str, position: int | None, values: dict[str, Any]) -> View:
+    instrument = study.instrument(kind)
+    if instrument is None:
+        raise LookupError(f"the step kind {kind} has no page")
+    heading = instrument.title if position is None else f"{instrument.title}: round {position}"
+    button = "Finish the study" if kind == "comments" else "Save and go on"
+    labels = {item.name: item.label.rstrip(".") for item in instrument.items}
+    template = "consent.html" if kind == "consent" else "items.html"
+    if kind == "consent":
+        heading = study.texts.consent.title
+    return View(
+        template,
+        values | {"instrument": instrument, "heading": heading, "button": button, "labels": labels},
+    )
+
+
+def _explanation_values(visit: Visit, position: int) -> dict[str, Any]:
+    """Exactly the elements that the coming trial's condition can show."""
+    study, slot = visit.study, visit.participant.slot
+    if slot is None:
+        raise LookupError("an explanation is shown before an order was given")
+    shown = SHOWN[study.orders[slot.order_index][position - 1]]
+    texts = {element.name: element for element in study.texts.elements}
+    how = study.texts.plain_display
+    if shown.names:
+        how = study.texts.adaptive_display if shown.adaptive else study.texts.steady_display
+    return {
+        "heading": f"Round {position}: {display_label(position)}",
+        "label": display_label(position),
+        "position": position,
+        "rounds": len(study.conditions),
+        "elements": [texts[name] for name in shown.names],
+        "how": how,
+    }
+
+
+def _ended_values(visit: Visit) -> dict[str, Any]:
+    outcome = visit.participant.progress.outcome or "completed"
+    texts = visit.study.texts
+    text = {
+        "completed": texts.debrief,
+        "screened-out": texts.screened_out,
+        "withdrawn": texts.withdrawn,
+        "timed-out": texts.timed_out,
+    }[outcome]
+    return {
+        "text": text,
+        "heading": text.title,
+        "completion_code": visit.study.completion_codes[outcome],
+        "code_caption": "Your completion code" if outcome == "completed" else "Your code",
+        "code_advice": "If you came from a recruitment panel, enter this code there. "
+        "Otherwise there is nothing more to do.",
+    }
