@@ -12,12 +12,11 @@ from datetime import datetime
 from typing import TYPE_CHECKING, Literal, Protocol
 
 if TYPE_CHECKING:  # the web process loads the compiled world only after it answers
-    from study.warehouse.layout import HallSpec
-    from study.warehouse.world import TrialMeasures
-
     from study.learning.policy import Policy
     from study.records.events import JournalEvent
     from study.records.journal import JournalChunk
+    from study.warehouse.layout import HallSpec
+    from study.warehouse.world import TrialMeasures
 
 Kind = Literal["practice", "trial"]
 Outcome = Literal["completed", "timed_out", "abandoned"]
@@ -43,6 +42,7 @@ class TrialSetup:
     time_scale: float = 1.0
     on_disconnect: Literal["pause", "continue"] = "pause"
     abandon_after_s: float = 3600.0
+    ribbon_widest_at: Literal["goal", "robot"] = "goal"
 
 
 @dataclass(frozen=True)

@@ -1,17 +1,29 @@
-"""Compiled loops that turn quantities into the agents' states; see `study.ar.states`."""
+"""Compiled loops that turn quantities into the agents' states; see `study.ar.states`.
+
+`field` holds the steps from the human to each cell of the shared grid, int32[H, W], -1 unreachable.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from study.warehouse.kernels import kernel
+
 Floats = NDArray[np.float64]
+Field = NDArray[np.int32]
 Borders = tuple[float, float, float, float]
+
+CELL_M = 0.6
+FLOOR_Y_M = 0.6
+FAR_AWAY_M = 1e9
+"""Stands for unreachable: beyond every border."""
 
 WAITING = 3
 """The value of RobotState.WAITING."""
 
 
+@kernel
 def three_classes(value: float, middle: float, high: float) -> int:
     """0 below `middle`, 1 below `high`, else 2."""
     if value < middle:
@@ -21,6 +33,21 @@ def three_classes(value: float, middle: float, high: float) -> int:
     return 2
 
 
+@kernel
+def path_length_m(field: Field, x_m: float, y_m: float) -> float:
+    """Lattice path length to a place; a bay or home lies one step behind its mouth."""
+    height, width = field.shape
+    i = int(np.floor(x_m / CELL_M))
+    j = int(np.floor((y_m - FLOOR_Y_M) / CELL_M))
+    inside_i = min(max(i, 0), width - 1)
+    inside_j = min(max(j, 0), height - 1)
+    steps = field[inside_j, inside_i]
+    if steps < 0:
+        return FAR_AWAY_M
+    return CELL_M * (steps + abs(i - inside_i) + abs(j - inside_j))
+
+
+@kernel
 def neighbourhood(
     robot: int, x_m: Floats, y_m: Floats, shown: NDArray[np.uint8], nearby_m: float
 ) -> tuple[int, int]:
@@ -35,8 +62,9 @@ def neighbourhood(
     return count, elements
 
 
+@kernel
 def code_robots(
-    distance_m: Floats,
+    field: Field,
     x_m: Floats,
     y_m: Floats,
     carrying: NDArray[np.int8],
@@ -51,7 +79,8 @@ def code_robots(
     """Fill `states`: `borders` close, far, medium, long; `near` radius, share; `many` counts."""
     for robot in range(len(states)):
         count, elements = neighbourhood(robot, x_m, y_m, shown, near[0])
-        state = three_classes(distance_m[robot], borders[0], borders[1])
+        human_m = path_length_m(field, x_m[robot], y_m[robot])
+        state = three_classes(human_m, borders[0], borders[1])
         state = state * 2 + (1 if carrying[robot] >= 0 else 0)
         state = state * 2 + (1 if remaining[robot] >= many[0] else 0)
         state = state * 3 + three_classes(wait_s[robot], borders[2], borders[3])
@@ -60,8 +89,10 @@ def code_robots(
         states[robot] = state
 
 
+@kernel
 def code_stations(
-    distance_m: Floats,
+    field: Field,
+    mouths: NDArray[np.int64],
     robot_state: NDArray[np.int8],
     robot_station: NDArray[np.int8],
     wait_s: Floats,
@@ -76,6 +107,8 @@ def code_stations(
             if robot_state[robot] == WAITING and robot_station[robot] == station:
                 waiting += 1
                 longest_s = max(longest_s, wait_s[robot])
-        state = three_classes(distance_m[station], borders[0], borders[1])
+        steps = field[mouths[station, 1], mouths[station, 0]]
+        human_m = CELL_M * steps if steps >= 0 else FAR_AWAY_M
+        state = three_classes(human_m, borders[0], borders[1])
         state = state * 3 + three_classes(longest_s, borders[2], borders[3])
         states[station] = state * 2 + (1 if waiting >= many_waiting else 0)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, NoReturn, cast
 
 from study.ar.elements import ROBOT_ACTIONS, STATION_ACTIONS
-from study.ar.states import ROBOT_STATES, STATION_STATES
+from study.ar.state_names import ROBOT_STATES, STATION_STATES
 from study.ar.thresholds import Thresholds
 from study.errors import PolicyError
 
@@ -41,7 +41,7 @@ _REPAIR = "Take the file again from where it was made; it must not be edited by 
 
 @dataclass(frozen=True)
 class Policy:
-    """One policy. Tables hold actions by state number; see `study.ar.states` for the order.
+    """One policy. Tables hold actions by state number; see `study.ar.state_names` for the order.
 
     A robot's action is the sum of 1 live location, 2 transparent avatar, 4 trajectory; a
     station's is 1 for the balloon. `training` is None for a policy nobody taught, else it has

@@ -1,0 +1,106 @@
+"""Stores all rooms' journals once a second; nothing is lost while the database is away."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Iterable
+
+from server.live.clock import Clock
+from server.live.ports import TrialBatch, TrialDesk
+from server.live.room import Room
+
+logger = logging.getLogger(__name__)
+
+PERIOD_S = 1.0
+MAX_BACKOFF_S = 10.0
+COMMIT_WITHIN_S = 20.0
+
+
+class JournalWriter:
+    """The only writer of trials. A batch that failed is offered again, unchanged, before others.
+
+    A finished trial is reported to the desk only after everything of it was committed.
+    `failing_since_s` is None while all is well, else the clock's time of the first failure.
+    """
+
+    def __init__(
+        self,
+        desk: TrialDesk,
+        rooms: Callable[[], Iterable[Room]],
+        on_stored: Callable[[Room], None],
+        clock: Clock,
+    ) -> None:
+        self.failing_since_s: float | None = None
+        self.commits = 0
+        self.slowest_commit_s = 0.0
+        self._desk = desk
+        self._rooms = rooms
+        self._on_stored = on_stored
+        self._clock = clock
+        self._pending: tuple[TrialBatch, ...] = ()
+        self._left_over: list[TrialBatch] = []
+        self._finished: list[Room] = []
+        self._failures = 0
+        self._lock = asyncio.Lock()
+
+    def keep(self, batch: TrialBatch | None) -> None:
+        """Take over the last batch of a room that goes away."""
+        if batch is not None:
+            self._left_over.append(batch)
+
+    async def run(self) -> None:
+        """Write once a second until cancelled; wait longer after each failure, up to 10 s."""
+        while True:
+            wait_s = min(MAX_BACKOFF_S, PERIOD_S * 2**self._failures)
+            await asyncio.sleep(wait_s)
+            await self.flush()
+
+    async def flush(self) -> bool:
+        """Store everything there is now; False if the desk refused, and all is kept."""
+        async with self._lock:
+            started_s = self._clock.now_s()
+            try:
+                async with asyncio.timeout(COMMIT_WITHIN_S):
+                    await self._commit()
+                    await self._finish()
+            except Exception:
+                self._note_failure()
+                return False
+            self._failures = 0
+            self.failing_since_s = None
+            self.slowest_commit_s = max(self.slowest_commit_s, self._clock.now_s() - started_s)
+            return True
+
+    async def _commit(self) -> None:
+        if self._pending:
+            await self._desk.commit(self._pending)
+            self._pending = ()
+        left_over, self._left_over = self._left_over, []
+        fresh = list(left_over)
+        for room in self._rooms():
+            batch = room.take_batch()
+            if batch is not None:
+                fresh.append(batch)
+            if room.result is not None and room not in self._finished:
+                self._finished.append(room)
+        self._pending = tuple(fresh)
+        if self._pending:
+            await self._desk.commit(self._pending)
+            self.commits += 1
+            self._pending = ()
+
+    async def _finish(self) -> None:
+        while self._finished:
+            room = self._finished[0]
+            if room.result is not None:
+                await self._desk.finish(room.setup.trial_id, room.result)
+            self._finished.pop(0)
+            room.finish_stored()
+            self._on_stored(room)
+
+    def _note_failure(self) -> None:
+        if self.failing_since_s is None:
+            self.failing_since_s = self._clock.now_s()
+        self._failures = min(self._failures + 1, 6)
+        logger.exception("trials could not be stored; everything is kept and tried again")
