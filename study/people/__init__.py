@@ -1,0 +1,1 @@
+"""Simulated people. Results made with them are always marked as simulated."""

@@ -1,0 +1,97 @@
+"""One tick of a world, 1/30 s: the human, the robots' lives, their right of way, their motion."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from study.warehouse.driving import drive
+from study.warehouse.halls import CELL_M
+from study.warehouse.kernels import kernel
+from study.warehouse.kinematics import step_human, wanted_step
+from study.warehouse.life import (
+    TRIAL_COMPLETED,
+    TRIAL_TIMED_OUT,
+    live,
+    start_task,
+    tell,
+    watch_progress,
+)
+from study.warehouse.right_of_way import settle
+from study.warehouse.state import COMPLETED, RUNNING, TIMED_OUT, Floor, Motion
+
+ROBOTS_APART2 = 0.4 * 0.4
+HUMAN_APART2 = 0.5 * 0.5
+
+
+@kernel
+def move_human(floor: Floor, motion: Motion, keys: int, yaw: int) -> None:
+    """Move the human by one input frame."""
+    trial = motion.trial[0]
+    trial.yaw = yaw
+    column = int((trial.x - floor.centers[0, 0]) / CELL_M + 0.5)
+    row = int((trial.y - floor.centers[0, 1]) / CELL_M + 0.5)
+    near = floor.near_solids[row * floor.hall[0].stride + column]
+    wanted = wanted_step(keys, yaw, floor.hall[0].human_step_m, floor.cosines)
+    for k in range(motion.robots.size):
+        motion.others[k, 0] = motion.robots[k].x
+        motion.others[k, 1] = motion.robots[k].y
+    x, y, contact = step_human((trial.x, trial.y), wanted, floor.solids, near, motion.others)
+    trial.path_m += np.sqrt((x - trial.x) * (x - trial.x) + (y - trial.y) * (y - trial.y))
+    trial.x = x
+    trial.y = y
+    if contact:
+        trial.contact = 1
+
+
+@kernel
+def count_overlaps(motion: Motion) -> None:
+    """Count pairs of bodies that overlap now; there should never be any."""
+    trial = motion.trial[0]
+    for k in range(motion.robots.size):
+        x = motion.robots[k].x
+        y = motion.robots[k].y
+        if (x - trial.x) * (x - trial.x) + (y - trial.y) * (y - trial.y) < HUMAN_APART2:
+            trial.overlaps += 1
+        for m in range(k):
+            dx = x - motion.robots[m].x
+            dy = y - motion.robots[m].y
+            if dx * dx + dy * dy < ROBOTS_APART2:
+                trial.overlaps += 1
+
+
+@kernel
+def step_world(floor: Floor, motion: Motion, frames: npt.NDArray[np.int32], count: int) -> int:
+    """Advance a running trial by one tick with `count` frames (keys, yaw) of the human.
+
+    Returns how many events there were. A trial that has ended stays as it is.
+    """
+    trial = motion.trial[0]
+    trial.events = 0
+    if trial.status != RUNNING:
+        return 0
+    if trial.tick == 0:
+        for k in range(motion.robots.size):
+            start_task(floor, motion, k)
+    trial.tick += 1
+    trial.contact = 0
+    path_before_m = trial.path_m
+    for n in range(count):
+        move_human(floor, motion, frames[n, 0], frames[n, 1])
+    if trial.path_m == path_before_m:
+        trial.still_ticks += 1
+    for k in range(motion.robots.size):
+        live(floor, motion, k)
+    settle(floor, motion)
+    for k in range(motion.robots.size):
+        drive(floor, motion, k)
+    for k in range(motion.robots.size):
+        watch_progress(floor, motion, k)
+    count_overlaps(motion)
+    if trial.home == motion.robots.size:
+        trial.status = COMPLETED
+        tell(motion, TRIAL_COMPLETED, -1, 0, 0)
+    elif trial.tick >= floor.hall[0].cap_ticks:
+        trial.status = TIMED_OUT
+        tell(motion, TRIAL_TIMED_OUT, -1, 0, 0)
+    return int(trial.events)
