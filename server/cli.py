@@ -1,0 +1,226 @@
+"""The `varil` command: one verb each for serving, migrating, simulating, exporting, accounts.
+
+Errors go to stderr: exit code 2 for a wrong call, 1 for a failure.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import sys
+from collections.abc import Callable
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from pydantic import ValidationError
+
+from study.errors import StudyError
+
+if TYPE_CHECKING:
+    from server.settings import Settings
+
+app = typer.Typer(
+    name="varil",
+    help="An experiment server for studies of people who work with teams of robots.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+user = typer.Typer(help="Accounts of staff.", no_args_is_help=True)
+app.add_typer(user, name="user")
+
+DatabaseUrl = Annotated[
+    str | None,
+    typer.Option(help="sqlite:///FILE or postgresql://...; default VARIL_DATABASE_URL."),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="One JSON object as stdout's last line.")]
+
+
+class Scale(StrEnum):
+    """The halls by name."""
+
+    PRACTICE = "practice"
+    SMALL = "small"
+    STUDY = "study"
+    LARGE = "large"
+    LAB = "lab"
+
+
+class Worker(StrEnum):
+    """Simulated workers."""
+
+    CYCLIC = "cyclic"
+    WANDERER = "wanderer"
+    BLOCKER = "blocker"
+
+
+class Role(StrEnum):
+    """What an account may open."""
+
+    ADMIN = "admin"
+    EXPERT = "expert"
+
+
+class Mode(StrEnum):
+    """Whose data to export."""
+
+    LIVE = "live"
+    PILOT = "pilot"
+    BOT = "bot"
+
+
+@app.command()
+def serve(
+    host: Annotated[str | None, typer.Option(help="Default 127.0.0.1 or VARIL_HOST.")] = None,
+    port: Annotated[int | None, typer.Option(help="Default 8000 or VARIL_PORT.")] = None,
+    database_url: DatabaseUrl = None,
+) -> None:
+    """Run the server with the demo study; brings an embedded database up to date first."""
+    from server.serving import serve as run_server
+    from study.config import paper_study
+
+    settings = read_settings(host=host, port=port, database_url=database_url)
+    run_server(settings, (paper_study(),))
+
+
+@app.command()
+def migrate(database_url: DatabaseUrl = None) -> None:
+    """Bring the database to the current schema."""
+    from server.store.engine import Database
+    from server.store.schema import migrate as migrate_database
+
+    async def run() -> tuple[str | None, str]:
+        database = Database(read_settings(database_url=database_url).database)
+        try:
+            return await migrate_database(database)
+        finally:
+            await database.close()
+
+    before, after = asyncio.run(run())
+    if before == after:
+        typer.echo(f"The database has the current schema already ({after}).")
+    else:
+        typer.echo(f"Schema {before or 'none'} -> {after}.")
+
+
+@app.command()
+def simulate(
+    out: Annotated[Path, typer.Option(help="Folder for trials.csv and robots.csv.")],
+    condition: Annotated[str, typer.Option(help="varil, arroch, crmiar, none or full.")] = "none",
+    policy: Annotated[Path | None, typer.Option(help="Policy file for `varil`.")] = None,
+    scale: Scale = Scale.STUDY,
+    worker: Worker = Worker.CYCLIC,
+    trials: Annotated[int, typer.Option(min=1)] = 10,
+    seed: Annotated[int, typer.Option(min=0)] = 0,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes; default all cores.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run trials headless with a simulated worker, on all cores."""
+    from server.simulation import SimulationOptions, run_simulation
+
+    summary = run_simulation(
+        SimulationOptions(
+            condition=condition,
+            policy=policy,
+            scale=scale.value,
+            worker=worker.value,
+            trials=trials,
+            seed=seed,
+            workers=workers or os.cpu_count() or 1,
+            out=out,
+            quiet=as_json,
+        )
+    )
+    report(summary, as_json)
+
+
+@app.command()
+def export(
+    study: Annotated[str, typer.Option(help="The study's id, as in /s/<id>.")],
+    out: Annotated[Path, typer.Option(help="The zip to write.")],
+    mode: Annotated[Mode | None, typer.Option(help="Only these participants; default all.")] = None,
+    database_url: DatabaseUrl = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write the data of a study as tidy CSV tables in one zip."""
+    from server.export import write_export
+
+    settings = read_settings(database_url=database_url)
+    counts = asyncio.run(write_export(settings, study, mode.value if mode else None, out))
+    report({"file": str(out), **counts}, as_json)
+
+
+@user.command("add")
+def add_user(
+    name: str,
+    role: Annotated[Role, typer.Option(help="What the account may open.")],
+    password_stdin: Annotated[bool, typer.Option(help="Read the password from stdin.")] = False,
+    database_url: DatabaseUrl = None,
+) -> None:
+    """Add an account, or renew the role and password of one that exists."""
+    from server.accounts import add_user as store_account
+    from server.store.engine import Database
+    from server.store.schema import check_schema, migrate
+
+    if password_stdin:
+        password = sys.stdin.readline().rstrip("\r\n")
+    else:
+        password = typer.prompt("Password", hide_input=True, confirmation_prompt=True)
+
+    async def run() -> bool:
+        database = Database(read_settings(database_url=database_url).database)
+        try:
+            await (check_schema(database) if database.file is None else migrate(database))
+            return await store_account(database, name, role.value, password)
+        finally:
+            await database.close()
+
+    new = asyncio.run(run())
+    typer.echo(f"{'Added' if new else 'Renewed'} {name} as {role.value}.")
+
+
+def read_settings(**given: Any) -> Settings:
+    """Settings from the environment, with what the command line gave on top."""
+    from server.settings import Settings
+
+    return Settings(**{name: value for name, value in given.items() if value is not None})
+
+
+def report(summary: dict[str, Any], as_json: bool) -> None:
+    """Print a summary for a person, or as one JSON line for a program."""
+    if as_json:
+        typer.echo(json.dumps(summary))
+        return
+    width = max(len(name) for name in summary)
+    for name, value in summary.items():
+        typer.echo(f"{name.replace('_', ' '):<{width}}  {value}")
+
+
+def main() -> None:
+    """Entry point: every error becomes one sentence and an exit code."""
+    sys.exit(run_command(app))
+
+
+def run_command(command: Callable[..., Any]) -> int:
+    """Run a command and return its exit code."""
+    try:
+        command(standalone_mode=True)
+    except StudyError as error:
+        typer.echo(f"varil: {error.sentence}", err=True)
+        return 1
+    except ValidationError as error:
+        for problem in error.errors():
+            name = "VARIL_" + "_".join(str(part) for part in problem["loc"]).upper()
+            typer.echo(f"varil: the setting {name} is wrong: {problem['msg']}.", err=True)
+        return 2
+    except KeyboardInterrupt:
+        typer.echo("varil: stopped.", err=True)
+        return 130
+    except SystemExit as leaving:
+        return leaving.code if isinstance(leaving.code, int) else 1
+    return 0
