@@ -12,17 +12,22 @@ from prometheus_client import CollectorRegistry
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
+from starlette.routing import WebSocketRoute
 
 from server.deps import Services
+from server.figures import ServerFigures
+from server.live.compiling import prepare_kernels
+from server.live.endpoint import LiveEndpoint
+from server.live.hall import Hall
 from server.locations import web_root
 from server.pages import admin, participant, service, staff
 from server.pages.errors import answer_error
 from server.pages.rendering import CachedFiles, Renderer
 from server.participant_desk import ParticipantDesk
-from server.security import Guard
+from server.security import Guard, same_origin
 from server.settings import Settings
 from server.signin import SignIns
-from server.store.engine import Database, StorageAway, serve_alone
+from server.store.engine import Database, StorageAway
 from server.store.schema import check_schema
 from server.tokens import mask_server_logs
 from server.trial_desk import StoredTrialDesk
@@ -48,6 +53,8 @@ def create_app(settings: Settings, studies: Sequence[Study]) -> FastAPI:
     app.state.services = services
     for pages in (service, participant, staff, admin):
         app.include_router(pages.router)
+    app.state.hall = _build_hall(services)
+    app.router.routes.append(_live_route(app.state.hall, settings))
     app.mount("/static", CachedFiles(directory=web_root() / "static", check_dir=False))
 
     async def answer(request: Request, error: Exception, reference: str = "") -> Response:
@@ -57,6 +64,23 @@ def create_app(settings: Settings, studies: Sequence[Study]) -> FastAPI:
     app.add_exception_handler(HTTPException, answer)
     app.add_middleware(Guard, error_page=answer, allowed_origins=tuple(settings.allowed_origins))
     return app
+
+
+def _build_hall(services: Services) -> Hall:
+    cache = services.settings.var_dir / "kernels"
+
+    async def prepare() -> None:
+        await prepare_kernels(cache)
+
+    hall = Hall(services.trials, prepare)
+    services.metrics.register(ServerFigures(hall))
+    return hall
+
+
+def _live_route(hall: Hall, settings: Settings) -> WebSocketRoute:
+    origins = tuple(settings.allowed_origins)
+    endpoint = LiveEndpoint(hall, lambda headers: same_origin(headers, origins))
+    return WebSocketRoute("/p/{token}/live", endpoint)
 
 
 def _build_services(settings: Settings, studies: Sequence[Study]) -> Services:
@@ -75,21 +99,23 @@ def _build_services(settings: Settings, studies: Sequence[Study]) -> Services:
 
 @contextlib.asynccontextmanager
 async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
-    """Refuse to start on a database that is not ours to serve; then run until told to stop."""
+    """Refuse to start on a database of another version; then run until told to stop."""
     services: Services = app.state.services
+    hall: Hall = app.state.hall
     mask_server_logs()
-    with serve_alone(services.database):
+    try:
+        await check_schema(services.database)
+        await services.participants.register_studies()
+        await hall.start()
+        sweeper = asyncio.create_task(_sweep_forever(services.participants))
         try:
-            await check_schema(services.database)
-            await services.participants.register_studies()
-            sweeper = asyncio.create_task(_sweep_forever(services.participants))
-            try:
-                yield
-            finally:
-                sweeper.cancel()
-                await asyncio.gather(sweeper, return_exceptions=True)
+            yield
         finally:
-            await services.database.close()
+            sweeper.cancel()
+            await asyncio.gather(sweeper, return_exceptions=True)
+            await hall.stop()
+    finally:
+        await services.database.close()
 
 
 async def _sweep_forever(desk: ParticipantDesk) -> None:

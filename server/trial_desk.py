@@ -48,10 +48,17 @@ def utc_now() -> datetime:
 
 
 def shipped_policy(study: Study, condition: str) -> Policy | None:
-    """The policy that a condition runs: for `varil` the initial one, everything on (paper)."""
-    from study.learning.policy import initial_policy
+    """The policy file that a condition runs: for `varil` the shipped one.
 
-    return initial_policy(study.thresholds) if condition == "varil" else None
+    Raises `PolicyError` if it was made for other thresholds than the study's.
+    """
+    if condition != "varil":
+        return None
+    from server import policy_files  # loads numba, so not before a trial is opened
+
+    policy = policy_files.shipped_policy()
+    policy.require_thresholds(study.thresholds)
+    return policy
 
 
 @dataclass(frozen=True)

@@ -185,6 +185,9 @@ class Trial(Base):
     human_path_m: Mapped[float | None]
     human_still_s: Mapped[float | None]
     blocked_by_human_s: Mapped[float | None]
+    boxes_delivered: Mapped[int | None]
+    longest_stall_s: Mapped[float | None]
+    overlaps: Mapped[int | None]
 
 
 class TrialRobot(Base):
@@ -195,22 +198,27 @@ class TrialRobot(Base):
     robot: Mapped[int] = mapped_column(primary_key=True)
     boxes_delivered: Mapped[int]
     wait_s: Mapped[float]
-    completion_s: Mapped[float | None]
+    completion_s: Mapped[float]
     path_m: Mapped[float]
     longest_stall_s: Mapped[float]
+    blocked_by_human_s: Mapped[float]
 
 
 class TrialLeg(Base):
-    """One leg of a robot's work in one ended trial, in order."""
+    """A stretch of a robot's life in one state, in one ended trial."""
 
     __tablename__ = "trial_legs"
     trial_id: Mapped[str] = mapped_column(ForeignKey("trials.id"), primary_key=True)
-    number: Mapped[int] = mapped_column(primary_key=True)
-    robot: Mapped[int]
-    kind: Mapped[str] = mapped_column(String(20))
-    station: Mapped[int | None]
+    robot: Mapped[int] = mapped_column(primary_key=True)
+    leg: Mapped[int] = mapped_column(primary_key=True)
+    state: Mapped[str] = mapped_column(String(20))
     start_s: Mapped[float]
-    end_s: Mapped[float | None]
+    end_s: Mapped[float]
+    path_m: Mapped[float]
+    shelf: Mapped[int | None]
+    box: Mapped[int | None]
+    station: Mapped[int | None]
+    ended: Mapped[bool]
 
 
 class TrialEvent(Base):

@@ -17,6 +17,31 @@ if TYPE_CHECKING:
     from server.live.ports import TrialResult
 
 
+_TRIAL_MEASURES = (
+    "duration_s",
+    "sum_wait_s",
+    "sum_completion_s",
+    "slowest_robot_s",
+    "human_path_m",
+    "human_still_s",
+    "blocked_by_human_s",
+    "boxes_delivered",
+    "longest_stall_s",
+    "overlaps",
+)
+_ROBOT_MEASURES = (
+    "robot",
+    "boxes_delivered",
+    "wait_s",
+    "completion_s",
+    "path_m",
+    "longest_stall_s",
+    "blocked_by_human_s",
+)
+_LEG_FIELDS = ("robot", "leg", "state", "start_s", "end_s", "path_m", "ended")
+_LEG_PLACES = ("shelf", "box", "station")
+
+
 class UnknownTrial(NotFound):
     """No trial has this id."""
 
@@ -106,38 +131,20 @@ async def store_result(session: AsyncSession, trial_id: str, result: TrialResult
             ticks=result.ticks,
             state_hash=result.state_hash,
             ended_at=result.ended_at_utc,
-            duration_s=measures.duration_s,
-            sum_wait_s=measures.sum_wait_s,
-            sum_completion_s=measures.sum_completion_s,
-            slowest_robot_s=measures.slowest_robot_s,
-            human_path_m=measures.human_path_m,
-            human_still_s=measures.human_still_s,
-            blocked_by_human_s=measures.blocked_by_human_s,
+            **{name: getattr(measures, name) for name in _TRIAL_MEASURES},
         )
     )
     session.add_all(
-        TrialRobot(
-            trial_id=trial_id,
-            robot=robot.robot,
-            boxes_delivered=robot.boxes_delivered,
-            wait_s=robot.wait_s,
-            completion_s=robot.completion_s,
-            path_m=robot.path_m,
-            longest_stall_s=robot.longest_stall_s,
-        )
+        TrialRobot(trial_id=trial_id, **{name: getattr(robot, name) for name in _ROBOT_MEASURES})
         for robot in measures.robots
     )
     session.add_all(
         TrialLeg(
             trial_id=trial_id,
-            number=number,
-            robot=leg.robot,
-            kind=leg.kind,
-            station=leg.station,
-            start_s=leg.start_s,
-            end_s=leg.end_s,
+            **{name: getattr(leg, name) for name in _LEG_FIELDS},
+            **{name: _or_none(getattr(leg, name)) for name in _LEG_PLACES},
         )
-        for number, leg in enumerate(measures.legs)
+        for leg in measures.legs
     )
     await session.flush()
 
@@ -166,6 +173,11 @@ async def read_policies(session: AsyncSession, hashes: Iterable[str]) -> dict[st
         )
     )
     return dict(rows.tuples().all())
+
+
+def _or_none(index: int) -> int | None:
+    """An index, or None for the -1 that stands for “there is none”."""
+    return index if index >= 0 else None
 
 
 def _record(row: Trial) -> TrialRecord:
