@@ -130,7 +130,7 @@ function drawBalloonLabel(pen, station) {
   rounded(pen, 11, 23, 234, 82, 41);
   pen.fillStyle = "#ffffff";
   pen.fill();
-  write(pen, `Station ${station + 1}`, 128, 64, 46, "#b3121c");
+  write(pen, `Station ${station + 1}`, 128, 64, 40, "#b3121c");
 }
 
 /** @param {Pen} pen @param {number} column */

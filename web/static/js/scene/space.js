@@ -1,6 +1,19 @@
 // The hall's plan is in metres with y up the page; three.js has y up to the ceiling. Everything
 // crosses from one to the other here, and the heights that several parts must agree on are here too.
 
+/**
+ * @typedef {{ index: number, center_m: [number, number], bays: [number, number][] }} StationPlan
+ * @typedef {object} HallPlan what the scene needs to know of the hall, metres and lattice cells
+ * @property {number} hall_width_m @property {number} hall_height_m
+ * @property {number[][]} shelves_m x0, y0, x1, y1 @property {number} box_seed
+ * @property {StationPlan[]} stations @property {[number, number][]} homes
+ * @property {number} eye_height_m
+ *
+ * @typedef {object} RobotSample a robot as it is drawn
+ * @property {number} x_m @property {number} y_m @property {number} heading radians
+ * @property {number} state @property {number} carrying colour of the box, -1 for none
+ */
+
 /** Heights in metres. */
 export const CEILING_M = 5.4;
 export const RACK_TOP_M = 2.28;

@@ -1,0 +1,192 @@
+"""Take pictures of the scene with a scripted world in real Chromium.
+
+Run as `python -m tests.browser.make_pictures`, or with names of shots (`study-full-aisle`), to look
+at the scene; `--docs` writes the README's pictures, `--elements` those of the explanation pages, and
+`--bench` prints the JavaScript time per frame and the draw calls as JSON.
+"""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import http.server
+import json
+import shutil
+import subprocess
+import tempfile
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from tests.browser.scene.worlds import build_world
+
+ROOT = Path(__file__).resolve().parents[2]
+SCENE = Path(__file__).resolve().parent / "scene"
+CHROMIUM_ARGS = [
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+
+
+@dataclass(frozen=True)
+class Shot:
+    """Where a picture is taken from: metres, radians; and what is shown."""
+
+    scale: str
+    display: str
+    x: float
+    y: float
+    heading: float
+    pitch: float = 0.0
+    now_s: float = 3.0
+    seed: int = 11
+    size: tuple[int, int] = (1280, 720)
+
+
+SHOTS: dict[str, Shot] = {
+    f"{scale}-{display}-{place}": Shot(scale, display, *at)
+    for scale, places in {
+        "study": {
+            "aisle": (7.8, 2.6, 1.62, -0.03),
+            "cross": (2.0, 10.8, 0.0, -0.03),
+            "station": (24.5, 3.6, -1.35, -0.05),
+            "corner": (1.2, 20.0, -0.7),
+            "homes": (25.6, 9.0, 0.55, -0.08),
+        },
+        "large": {"aisle": (24.0, 26.0, 0.1), "corner": (1.5, 1.8, 0.75), "cross": (20.0, 32.0, -1.2)},
+    }.items()
+    for display in ("none", "mixed", "arroch", "crmiar", "full", "everything")
+    for place, at in places.items()
+}
+SHOTS["study-none-down"] = Shot("study", "none", 6.9, 5.1, 1.3, -0.6)
+SHOTS["study-none-up"] = Shot("study", "none", 6.9, 5.1, 1.3, 0.5)
+
+DOCS = {
+    "full": Shot("study", "full", 2.0, 10.8, 0.0, -0.03),
+    "arroch": Shot("study", "arroch", 7.8, 2.6, 1.62, -0.03),
+    "crmiar": Shot("study", "crmiar", 2.0, 10.8, 0.0, -0.03),
+}
+ELEMENTS = {
+    name: Shot("study", name, 2.0, 10.8, 0.0, -0.03, size=(960, 540))
+    for name in (
+        "trajectory",
+        "live-location",
+        "transparent-avatar",
+        "balloon",
+        "minimap",
+        "offscreen-arrows",
+        "path-beads",
+        "none",
+    )
+}
+
+
+def bundle_page(folder: Path) -> None:
+    """Bundle the picture page and the play page's styles into a folder."""
+    esbuild = ROOT / "node_modules" / ".bin" / "esbuild"
+    entries = [str(SCENE / "page.js"), f"page={ROOT / 'web/static/css/play.css'}"]
+    options = ["--bundle", "--format=esm", "--target=es2022", "--log-level=warning"]
+    subprocess.run([str(esbuild), entries[0], *options, f"--outfile={folder / 'page.js'}"], check=True)
+    css = str(ROOT / "web/static/css/play.css")
+    subprocess.run([str(esbuild), css, "--bundle", f"--outfile={folder / 'page.css'}", "--log-level=warning"], check=True)
+    shutil.copy(SCENE / "index.html", folder / "index.html")
+
+
+class QuietHandler(http.server.SimpleHTTPRequestHandler):
+    """Serves a folder without a line per request."""
+
+    def log_message(self, *args: object) -> None:
+        """Keep quiet."""
+
+
+@contextmanager
+def serve_folder(folder: Path) -> Iterator[str]:
+    """Serve a folder on a free port; gives its address."""
+    handler = functools.partial(QuietHandler, directory=str(folder))
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        yield f"http://127.0.0.1:{server.server_address[1]}/"
+    finally:
+        server.shutdown()
+
+
+def open_world(browser: Browser, folder: Path, url: str, shot: Shot) -> Page:
+    """Open the picture page with a shot's world."""
+    world = build_world(shot.scale, shot.display, shot.seed)
+    (folder / "world.json").write_text(json.dumps(world))
+    page = browser.new_page(viewport={"width": shot.size[0], "height": shot.size[1]})
+    page.on("console", lambda message: print("console:", message.text) if message.type in ("error", "warning") else None)
+    page.on("pageerror", lambda error: print("page error:", error))
+    page.goto(url)
+    page.wait_for_selector("body[data-ready]", state="attached", timeout=120_000)
+    return page
+
+
+def view_of(shot: Shot) -> dict[str, float]:
+    """Return the viewpoint as the page takes it."""
+    return {"x": shot.x, "y": shot.y, "heading": shot.heading, "pitch": shot.pitch, "now_s": shot.now_s}
+
+
+def take(browser: Browser, folder: Path, url: str, shot: Shot, target: Path) -> dict[str, Any]:
+    """Take one picture; returns draw calls and triangles."""
+    page = open_world(browser, folder, url, shot)
+    counts: dict[str, Any] = page.evaluate("shot => window.picture.draw(shot)", view_of(shot))
+    target.parent.mkdir(parents=True, exist_ok=True)
+    page.screenshot(path=target, timeout=120_000)
+    page.close()
+    return counts
+
+
+def bench(browser: Browser, folder: Path, url: str) -> dict[str, Any]:
+    """Measure JavaScript per frame and draw calls at `large` scale with everything shown."""
+    shot = Shot("large", "everything", 24.0, 26.0, 0.1)
+    page = open_world(browser, folder, url, shot)
+    counts = page.evaluate("shot => window.picture.draw(shot)", view_of(shot))
+    runs = [page.evaluate("shot => window.picture.measure(shot, 300)", view_of(shot)) for _ in range(5)]
+    medians = sorted(run["median_ms"] for run in runs)
+    return {"drawn": counts, "median_ms": medians[2], "runs": runs}
+
+
+def main() -> None:
+    """Take what the command line asks for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*")
+    parser.add_argument("--out", type=Path, default=Path(tempfile.gettempdir()) / "pictures")
+    parser.add_argument("--docs", action="store_true")
+    parser.add_argument("--elements", action="store_true")
+    parser.add_argument("--bench", action="store_true")
+    options = parser.parse_args()
+    jobs: list[tuple[str, Shot, Path]] = [(n, SHOTS[n], options.out / f"{n}.png") for n in options.names]
+    if options.docs:
+        jobs += [(n, s, ROOT / "docs" / "pictures" / f"{n}.png") for n, s in DOCS.items()]
+    if options.elements:
+        folder = ROOT / "web" / "static" / "img" / "elements"
+        jobs += [(n, s, folder / f"{n}.png") for n, s in ELEMENTS.items()]
+    with tempfile.TemporaryDirectory() as name, sync_playwright() as playwright:
+        folder = Path(name)
+        bundle_page(folder)
+        browser = playwright.chromium.launch(
+            executable_path=shutil.which("chromium"), chromium_sandbox=False, args=CHROMIUM_ARGS
+        )
+        with serve_folder(folder) as url:
+            for title, shot, target in jobs:
+                print(json.dumps({"picture": title, **take(browser, folder, url, shot, target)}), flush=True)
+            if options.bench:
+                print(json.dumps(bench(browser, folder, url)))
+        browser.close()
+
+
+if __name__ == "__main__":
+    main()

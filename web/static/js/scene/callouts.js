@@ -1,0 +1,114 @@
+// What is written over the picture: number labels of robots shown through the racks, names under the
+// balloons, arrows at the edge for robots outside the view.
+
+import { Vector3 } from "three";
+import { edgeSpot, isInView, spreadBearings, wrapAngle } from "./arrow_layout.js";
+import { arrowCell, balloonLabelCell, pillCell } from "./atlas.js";
+import { layOutLabels } from "./label_layout.js";
+import { ROBOT_TOP_M } from "./space.js";
+
+/** @typedef {import("./sprites.js").Sprites} Sprites */
+/** @typedef {import("./space.js").RobotSample} RobotSample */
+/** @typedef {{ x: number, y: number, heading: number, halfView: number, width: number, height: number }} Eye */
+/** @typedef {{ x: number, y: number, radius: number }} Disc pixels */
+
+const PILL_NEAR_PX = 44;
+const PILL_FAR_PX = 32;
+const ARROW_PX = 40;
+const ARROW_INSET_PX = 54;
+const ARROW_GAP = 0.16;
+/** Share of the way to a label's new place made per second. */
+const FOLLOW = 9;
+
+/** Labels and arrows of a trial; remembers where labels were, so that they glide. */
+export class Callouts {
+  /** @param {Sprites} sprites @param {number} robots */
+  constructor(sprites, robots) {
+    this.sprites = sprites;
+    this.shifts = new Float32Array(robots + 8);
+    this.alphas = new Float32Array(robots + 8);
+    this.point = new Vector3();
+    /** @type {{ id: number, cell: import("./atlas.js").CellRect, label: import("./label_layout.js").Label }[]} */
+    this.labels = [];
+  }
+
+  begin() {
+    this.labels.length = 0;
+  }
+
+  /** @param {import("three").Camera} camera @param {Eye} eye @param {number} x @param {number} y @param {number} height_m @returns {{ x: number, y: number, depth_m: number } | null} */
+  #project(camera, eye, x, y, height_m) {
+    this.point.set(x, height_m, -y).applyMatrix4(camera.matrixWorldInverse);
+    const depth_m = -this.point.z;
+    if (depth_m < 0.3) return null;
+    this.point.applyMatrix4(camera.projectionMatrix);
+    const spot = { x: (this.point.x * 0.5 + 0.5) * eye.width, y: (0.5 - this.point.y * 0.5) * eye.height, depth_m };
+    const away = Math.abs(this.point.x) > 1.05 || Math.abs(this.point.y) > 1.1;
+    return away ? null : spot;
+  }
+
+  /** @param {import("three").Camera} camera @param {Eye} eye @param {number} robot @param {RobotSample} sample */
+  addRobot(camera, eye, robot, sample) {
+    const top = ROBOT_TOP_M + (sample.carrying >= 0 ? 0.3 : 0);
+    const spot = this.#project(camera, eye, sample.x_m, sample.y_m, top);
+    if (!spot) return;
+    const size = PILL_FAR_PX + (PILL_NEAR_PX - PILL_FAR_PX) * Math.max(0, 1 - spot.depth_m / 14);
+    const label = { x: spot.x, y: spot.y - size * 0.55, w: size * 0.84, h: size * 0.84, depth_m: spot.depth_m };
+    this.labels.push({ id: robot, cell: pillCell(robot), label });
+  }
+
+  /** @param {import("three").Camera} camera @param {Eye} eye @param {number} station @param {{ x: number, y: number, height_m: number, size: number }} place @param {number} id */
+  addBalloon(camera, eye, station, place, id) {
+    const spot = this.#project(camera, eye, place.x, place.y, place.height_m - 0.78 * place.size);
+    if (!spot) return;
+    const label = { x: spot.x, y: spot.y + 12, w: 104, h: 44, depth_m: spot.depth_m - 100 };
+    this.labels.push({ id, cell: balloonLabelCell(station), label });
+  }
+
+  /** Puts the collected labels on the screen. @param {number} seconds since the last frame */
+  drawLabels(seconds) {
+    const placements = layOutLabels(this.labels.map(({ label }) => label));
+    const share = Math.min(1, seconds * FOLLOW);
+    const order = this.labels.map((_, n) => n).sort((a, b) => (this.labels[b]?.label.depth_m ?? 0) - (this.labels[a]?.label.depth_m ?? 0));
+    for (const n of order) {
+      const { id, cell, label } = /** @type {(typeof this.labels)[0]} */ (this.labels[n]);
+      const placement = placements[n] ?? { dy: 0, alpha: 1 };
+      const shift = (this.shifts[id] ?? 0) + (placement.dy - (this.shifts[id] ?? 0)) * share;
+      const alpha = (this.alphas[id] ?? 0) + (placement.alpha - (this.alphas[id] ?? 0)) * share;
+      this.shifts[id] = shift;
+      this.alphas[id] = alpha;
+      const wide = label.w > label.h * 1.5;
+      const size = wide ? { w: 112, h: 56 } : { w: label.w / 0.84, h: label.h / 0.84 };
+      this.sprites.add(cell, label.x, label.y + shift, size.w, size.h, { alpha });
+    }
+  }
+
+  /** @param {Eye} eye @param {RobotSample[]} robots @param {Disc | null} keepOut the minimap's place */
+  drawArrows(eye, robots, keepOut) {
+    const frame = { width: eye.width, height: eye.height, inset: ARROW_INSET_PX };
+    /** @type {{ robot: number, bearing: number }[]} */
+    const outside = [];
+    robots.forEach((sample, robot) => {
+      const bearing = wrapAngle(eye.heading - Math.atan2(sample.y_m - eye.y, sample.x_m - eye.x));
+      if (!isInView(bearing, eye.halfView)) outside.push({ robot, bearing });
+    });
+    const spread = spreadBearings(outside.map(({ bearing }) => bearing), ARROW_GAP);
+    outside.forEach(({ robot }, n) => {
+      const spot = edgeSpot(spread[n] ?? 0, frame);
+      if (keepOut) pushFrom(spot, keepOut, ARROW_INSET_PX);
+      const [dx, dy] = [Math.cos(spot.angle), Math.sin(spot.angle)];
+      this.sprites.add(arrowCell(robot), spot.x + dx * 24, spot.y + dy * 24, ARROW_PX * 0.9, ARROW_PX * 0.9, { turn: spot.angle });
+      this.sprites.add(pillCell(robot), spot.x, spot.y, ARROW_PX, ARROW_PX, {});
+    });
+  }
+}
+
+/** @param {{ x: number, y: number }} spot @param {Disc} disc @param {number} margin */
+function pushFrom(spot, disc, margin) {
+  const [dx, dy] = [spot.x - disc.x, spot.y - disc.y];
+  const far = Math.hypot(dx, dy) || 1;
+  const least = disc.radius + margin * 0.7;
+  if (far >= least) return;
+  spot.x = disc.x + (dx / far) * least;
+  spot.y = disc.y + (dy / far) * least;
+}

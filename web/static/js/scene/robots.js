@@ -1,0 +1,126 @@
+// The robots themselves, which are always there: one instanced mesh, and one of soft shadows under them.
+
+import {
+  Color, DynamicDrawUsage, InstancedBufferAttribute, InstancedMesh, Matrix4, MeshPhongMaterial, PlaneGeometry, ShaderMaterial,
+} from "three";
+import { plateCell } from "./atlas.js";
+import { robotColour } from "./palette.js";
+import { makeRobotShape } from "./robot_shape.js";
+
+/** @typedef {import("./space.js").RobotSample} RobotSample */
+
+/** How much of the robot's colour its whole body takes when its live location is shown. */
+const SHOWN_TINT = 0.72;
+
+/** @param {import("three").Texture} atlas */
+function makeMaterial(atlas) {
+  const material = new MeshPhongMaterial({ shininess: 38, specular: 0x3a3f45 });
+  material.onBeforeCompile = (shader) => {
+    shader.uniforms.plates = { value: atlas };
+    shader.vertexShader = shader.vertexShader
+      .replace(
+        "#include <common>",
+        `#include <common>
+         attribute vec3 base, team; attribute float paint, tint; attribute vec4 plate;
+         varying vec3 vBase, vTeam; varying float vPaint, vTint; varying vec2 vPlate;`,
+      )
+      .replace(
+        "#include <begin_vertex>",
+        `#include <begin_vertex>
+         vBase = base; vTeam = team; vPaint = paint; vTint = tint; vPlate = mix(plate.xy, plate.zw, uv);`,
+      );
+    shader.fragmentShader = shader.fragmentShader
+      .replace(
+        "#include <common>",
+        `#include <common>
+         uniform sampler2D plates;
+         varying vec3 vBase, vTeam; varying float vPaint, vTint; varying vec2 vPlate;`,
+      )
+      .replace(
+        "#include <map_fragment>",
+        `vec3 body = mix(vBase, vTeam * (0.35 + 0.65 * min(1.0, 4.0 * max(vBase.r, vBase.b))), vTint);
+         vec3 number = texture2D(plates, vPlate).rgb;
+         diffuseColor.rgb = vPaint > 1.5 ? number : (vPaint > 0.5 ? vTeam : body);`,
+      )
+      .replace(
+        "#include <emissivemap_fragment>",
+        "totalEmissiveRadiance += (vPaint > 0.5 ? 0.16 : 0.22 * vTint) * diffuseColor.rgb;",
+      );
+  };
+  return material;
+}
+
+/** A dark soft spot on the floor. */
+function makeShadowMaterial() {
+  return new ShaderMaterial({
+    transparent: true,
+    depthWrite: false,
+    polygonOffset: true,
+    polygonOffsetFactor: -1,
+    polygonOffsetUnits: -4,
+    vertexShader: `
+      varying vec2 vUv;
+      void main() {
+        vUv = uv * 2.0 - 1.0;
+        gl_Position = projectionMatrix * viewMatrix * modelMatrix * instanceMatrix * vec4(position, 1.0);
+      }`,
+    fragmentShader: `
+      varying vec2 vUv;
+      void main() {
+        float d = length(vUv);
+        gl_FragColor = vec4(0.0, 0.0, 0.0, 0.62 * (1.0 - smoothstep(0.3, 1.0, d)));
+      }`,
+  });
+}
+
+/** All robots of a trial. */
+export class RobotFleet {
+  /** @param {number} robots @param {import("three").Texture} atlas */
+  constructor(robots, atlas) {
+    this.count = robots;
+    const shape = makeRobotShape();
+    const team = new Float32Array(robots * 3);
+    const plate = new Float32Array(robots * 4);
+    for (let robot = 0; robot < robots; robot += 1) {
+      new Color(robotColour(robot)).toArray(team, robot * 3);
+      const rect = plateCell(robot);
+      plate.set([rect.u0, rect.v0, rect.u1, rect.v1], robot * 4);
+    }
+    this.tint = new InstancedBufferAttribute(new Float32Array(robots), 1);
+    shape.setAttribute("team", new InstancedBufferAttribute(team, 3));
+    shape.setAttribute("plate", new InstancedBufferAttribute(plate, 4));
+    shape.setAttribute("tint", this.tint);
+    this.mesh = new InstancedMesh(shape, makeMaterial(atlas), robots);
+    const spot = new PlaneGeometry(0.66, 0.66).rotateX(-Math.PI / 2).translate(0, 0.008, 0);
+    this.shadows = new InstancedMesh(spot, makeShadowMaterial(), robots);
+    for (const mesh of [this.mesh, this.shadows]) {
+      mesh.frustumCulled = false;
+      mesh.instanceMatrix.setUsage(DynamicDrawUsage);
+    }
+    this.shadows.renderOrder = 1;
+    this.matrix = new Matrix4();
+  }
+
+  /** @param {RobotSample[]} samples */
+  update(samples) {
+    const places = this.mesh.instanceMatrix.array;
+    const spots = this.shadows.instanceMatrix.array;
+    for (let robot = 0; robot < this.count; robot += 1) {
+      const sample = samples[robot];
+      if (!sample) continue;
+      this.matrix.makeRotationY(sample.heading).setPosition(sample.x_m, 0, -sample.y_m);
+      this.matrix.toArray(places, robot * 16);
+      this.matrix.toArray(spots, robot * 16);
+    }
+    this.mesh.instanceMatrix.needsUpdate = true;
+    this.shadows.instanceMatrix.needsUpdate = true;
+  }
+
+  /** Paints the body of robots whose live location is shown. @param {number} robot @param {boolean} shown */
+  showLive(robot, shown) {
+    const value = shown ? SHOWN_TINT : 0;
+    if (this.tint.array[robot] === value) return;
+    this.tint.array[robot] = value;
+    this.tint.needsUpdate = true;
+  }
+}

@@ -1,0 +1,126 @@
+// The canvas and its renderer: size, pixel ratio, a lost and restored context, and a picture that
+// becomes coarser by itself where the machine is slow.
+
+import { NeutralToneMapping, PerspectiveCamera, Scene, WebGLRenderer, FogExp2, Color } from "three";
+import { FOG_COLOUR, FOG_DENSITY } from "./light.js";
+import { FIELD_OF_VIEW_DEG } from "./space.js";
+
+/** @typedef {"auto" | "on" | "off"} Antialias */
+
+const RATIO_MAX = 2;
+const RATIO_LEAST = 0.6;
+/** A frame slower than this counts as slow; so many slow ones in a row make the picture coarser. */
+const SLOW_MS = 27;
+const SLOW_FRAMES = 40;
+const QUICK_MS = 13;
+const QUICK_FRAMES = 300;
+
+/** Thrown where the browser offers no WebGL. */
+export class NoWebGlError extends Error {}
+
+/** Whether WebGL is drawn by the processor, not by a graphics card. @param {WebGLRenderingContext | WebGL2RenderingContext} gl */
+export function isSoftwareDrawn(gl) {
+  const info = gl.getExtension("WEBGL_debug_renderer_info");
+  const name = info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : "";
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
+/** @param {Document} document @returns {boolean} whether a context could be had, drawn in software */
+function probeSoftware(document) {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  if (!gl) throw new NoWebGlError("This browser offers no WebGL 2.");
+  const software = isSoftwareDrawn(gl);
+  gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return software;
+}
+
+/** Renderer, scene and camera. */
+export class Stage {
+  /** @param {HTMLElement} parent @param {Antialias} antialias @param {(lost: boolean) => void} contextChanged */
+  constructor(parent, antialias, contextChanged) {
+    this.parent = parent;
+    const window = /** @type {Window} */ (parent.ownerDocument.defaultView);
+    this.window = window;
+    const software = antialias === "auto" && probeSoftware(parent.ownerDocument);
+    try {
+      this.renderer = new WebGLRenderer({ antialias: antialias !== "off" && !software, powerPreference: "high-performance" });
+    } catch (error) {
+      throw new NoWebGlError(error instanceof Error ? error.message : String(error));
+    }
+    this.renderer.toneMapping = NeutralToneMapping;
+    this.renderer.toneMappingExposure = 1;
+    this.canvas = this.renderer.domElement;
+    this.canvas.className = "view";
+    this.canvas.tabIndex = -1;
+    parent.prepend(this.canvas);
+    this.scene = new Scene();
+    this.scene.background = new Color(FOG_COLOUR);
+    this.scene.fog = new FogExp2(FOG_COLOUR, FOG_DENSITY);
+    this.camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.1, 140);
+    this.camera.rotation.order = "YXZ";
+    this.ratio = Math.min(RATIO_MAX, window.devicePixelRatio || 1);
+    this.ratioCap = this.ratio;
+    this.lost = false;
+    this.slow = 0;
+    this.quick = 0;
+    this.size = { width: 0, height: 0 };
+    this.#watchContext(contextChanged);
+    this.resize();
+    window.addEventListener("resize", () => this.resize());
+  }
+
+  /** @param {(lost: boolean) => void} contextChanged */
+  #watchContext(contextChanged) {
+    this.canvas.addEventListener("webglcontextlost", (event) => {
+      event.preventDefault();
+      this.lost = true;
+      contextChanged(true);
+    });
+    this.canvas.addEventListener("webglcontextrestored", () => {
+      this.lost = false;
+      contextChanged(false);
+    });
+  }
+
+  /** The longest side a texture may have. */
+  get longestTexture_px() {
+    return this.renderer.capabilities.maxTextureSize;
+  }
+
+  resize() {
+    const width = Math.max(1, this.parent.clientWidth);
+    const height = Math.max(1, this.parent.clientHeight);
+    const deviceRatio = Math.min(RATIO_MAX, this.window.devicePixelRatio || 1);
+    if (deviceRatio !== this.ratioCap) this.ratio = this.ratioCap = deviceRatio;
+    this.size = { width, height };
+    this.renderer.setPixelRatio(this.ratio);
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+  }
+
+  /** Half of the horizontal field of view in radians. */
+  get halfView() {
+    return Math.atan(Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360) * this.camera.aspect);
+  }
+
+  /** Watches how long frames take and adapts the pixel ratio. @param {number} frame_ms time since the last frame */
+  adapt(frame_ms) {
+    if (frame_ms > 500) return;
+    this.slow = frame_ms > SLOW_MS ? this.slow + 1 : 0;
+    this.quick = frame_ms < QUICK_MS ? this.quick + 1 : 0;
+    if (this.slow > SLOW_FRAMES && this.ratio > RATIO_LEAST) this.#setRatio(Math.max(RATIO_LEAST, this.ratio * 0.8));
+    else if (this.quick > QUICK_FRAMES && this.ratio < this.ratioCap) this.#setRatio(Math.min(this.ratioCap, this.ratio * 1.15));
+  }
+
+  /** @param {number} ratio */
+  #setRatio(ratio) {
+    this.ratio = ratio;
+    this.slow = this.quick = 0;
+    this.renderer.setPixelRatio(ratio);
+  }
+
+  draw() {
+    if (!this.lost) this.renderer.render(this.scene, this.camera);
+  }
+}
