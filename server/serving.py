@@ -69,6 +69,7 @@ async def _serve(settings: Settings, studies: Sequence[Study], listener: socket.
         ws_max_size=8192,
         log_level="warning",
         access_log=False,
+        server_header=False,
         proxy_headers=False,
         timeout_graceful_shutdown=5,
     )

@@ -113,9 +113,7 @@ class Driver:
             min(max(row, 0), self.layout.height_cells - 1),
         )
 
-    def next_waypoint(
-        self, reading: Reading, goal: tuple[int, int]
-    ) -> tuple[float, float] | None:
+    def next_waypoint(self, reading: Reading, goal: tuple[int, int]) -> tuple[float, float] | None:
         """Centre of the farthest cell ahead on the shortest path that is in a straight line."""
         field = self.layout.distance_field(goal)
         path = [self.cell_of(reading.x_m, reading.y_m)]

@@ -1,0 +1,23 @@
+"""Serves a study made for browser tests: every hall at practice scale, the world twice as fast.
+
+Settings come from the environment, as for the real command. Argument: `walk`, or `demo` for the
+demo study as it is shipped.
+"""
+
+from __future__ import annotations
+
+import sys
+
+from server.cli import read_settings
+from server.serving import serve
+from study.config import Study, paper_study
+
+
+def walk_study() -> Study:
+    """The demo study in a hall small enough to be played by software rendering."""
+    return paper_study().revised(study_id="walk", scale="practice", recruiting="pilot")
+
+
+if __name__ == "__main__":
+    studies = {"walk": walk_study, "demo": paper_study}
+    serve(read_settings(), (studies[sys.argv[1]](),))
