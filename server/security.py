@@ -51,18 +51,19 @@ log = logging.getLogger("varil.server")
 def same_origin(headers: Headers, allowed_origins: Iterable[str] = ()) -> bool:
     """Whether a request or socket was started by our own pages, as its browser tells.
 
-    Every sign that is present must agree; without any (no browser sends an unsafe request so)
-    there is nothing of a victim's to misuse.
+    `Sec-Fetch-Site` decides where it is sent (https and localhost); a foreign `Origin` is refused
+    in any case, and `null` wherever nothing else vouches for it. Without any sign (no browser
+    sends an unsafe request so) there is nothing of a victim's to misuse.
     """
     site = headers.get("sec-fetch-site")
     if site is not None and site not in ("same-origin", "none"):
         return False
     origin = headers.get("origin")
-    if origin is None:
+    if origin is None or origin in allowed_origins:
         return True
-    if origin in allowed_origins:
-        return True
-    return origin != "null" and urlsplit(origin).netloc == headers.get("host")
+    if origin == "null":
+        return site is not None
+    return urlsplit(origin).netloc == headers.get("host")
 
 
 class Guard:
