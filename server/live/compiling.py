@@ -40,9 +40,9 @@ def load_kernels(place: Path | None) -> None:
     from study.ar.elements import Display
     from study.learning.policy import initial_policy
     from study.warehouse.layout import PRESETS, build_layout
-    from study.warehouse.world import World
+    from study.warehouse.world import World, compile_kernels
 
-    World.warm_up()
+    compile_kernels()
     layout = build_layout(PRESETS["practice"])
     world = World(layout, seed=1)
     nothing = Display.nothing(layout.spec.robots, len(layout.stations))

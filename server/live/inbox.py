@@ -61,7 +61,7 @@ class Inbox:
             self.acknowledged_seq, frame = waiting.popleft()
             self.consumed += 1
             return (frame,)
-        taken = []
+        taken: list[Frame] = []
         while len(taken) < min(MAX_PER_TICK, allowed) and (len(waiting) > KEEP_WAITING):
             self.acknowledged_seq, frame = waiting.popleft()
             taken.append(frame)

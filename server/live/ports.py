@@ -16,7 +16,7 @@ if TYPE_CHECKING:  # the web process loads the compiled world only after it answ
     from study.records.events import JournalEvent
     from study.records.journal import JournalChunk
     from study.warehouse.layout import HallSpec
-    from study.warehouse.world import TrialMeasures
+    from study.warehouse.measures import TrialMeasures
 
 Kind = Literal["practice", "trial"]
 Outcome = Literal["completed", "timed_out", "abandoned"]

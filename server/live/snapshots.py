@@ -41,7 +41,7 @@ class SnapshotEncoder:
             self._buffer,
             0,
             SNAPSHOT,
-            world.human_blocked,
+            world.human_stopped,
             world.tick,
             acknowledged_seq & 0xFFFF,
             round(world.human_x_m * PER_M),

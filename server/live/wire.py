@@ -129,9 +129,10 @@ def parse_text(text: str) -> TextMessage:
 
 
 def _read(name: str, record: Mapping[str, Any], field: str, type_: type) -> Any:
-    value = record.get(field)
-    fits = type(value) is type_ or (type_ is float and type(value) is int)
-    if not fits or (type_ is float and not math.isfinite(float(value))):
+    value: Any = record.get(field)
+    if type_ is float and type(value) is int and abs(value) < 2**53:
+        value = float(value)
+    if type(value) is not type_ or (type_ is float and not math.isfinite(value)):
         raise WireError(f"{name}.{field} as {type_.__name__}", _brief(value))
     return value
 

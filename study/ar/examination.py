@@ -51,8 +51,8 @@ def draw_situations(layout: Layout, seed: int, count: int) -> Iterator[tuple[Sit
     rows, columns = np.nonzero(layout.free)
     for number in range(count):
         cells = draws.integers(0, len(rows), robots + 1)
-        x_m = 0.3 + 0.6 * columns[cells]
-        y_m = 0.9 + 0.6 * rows[cells]
+        x_m = np.asarray(0.3 + 0.6 * columns[cells], np.float64)
+        y_m = np.asarray(0.9 + 0.6 * rows[cells], np.float64)
         state = draws.integers(0, 7, robots).astype(np.int8)
         waits = (state == WAITING) * draws.uniform(0.0, 60.0, robots)
         yield (

@@ -41,7 +41,7 @@ def path_length_m(field: Field, x_m: float, y_m: float) -> float:
     j = int(np.floor((y_m - FLOOR_Y_M) / CELL_M))
     inside_i = min(max(i, 0), width - 1)
     inside_j = min(max(j, 0), height - 1)
-    steps = field[inside_j, inside_i]
+    steps = int(field[inside_j, inside_i])
     if steps < 0:
         return FAR_AWAY_M
     return CELL_M * (steps + abs(i - inside_i) + abs(j - inside_j))

@@ -65,14 +65,26 @@ class JournalEvent:
 
 _ROBOT = EventField("robot", "int", "", "index of the robot, from 0")
 _STATION = EventField("station", "int", "", "index of the station, 0 to 3")
+_SHELF = EventField("shelf", "int", "", "index of the shelf, rows from below, columns from left")
+_BOX = EventField("box", "int", "", "index of the box on its shelf, 0 to 11")
+_COLOUR = EventField("colour", "int", "", "0 red, 1 green, 2 blue, 3 yellow")
 _SEQ = EventField("seq", "int", "", "number of the last input frame taken over")
 
 _WORLD_KINDS = (
-    EventKind("leg_started", "world", "a robot set out for a shelf or a station", (_ROBOT,)),
-    EventKind("box_picked", "world", "a robot has loaded a box at its shelf", (_ROBOT,)),
-    EventKind("wait_started", "world", "a robot stands in its bay and waits", (_ROBOT,)),
-    EventKind("unload_started", "world", "a person came near and unloading began", (_ROBOT,)),
-    EventKind("box_delivered", "world", "unloading ended and the box counts", (_ROBOT,)),
+    EventKind("leg_started", "world", "a robot set out for its next shelf", (_ROBOT, _SHELF, _BOX)),
+    EventKind(
+        "box_picked",
+        "world",
+        "a robot has loaded a box; its station is chosen",
+        (_ROBOT, _COLOUR, _STATION),
+    ),
+    EventKind("wait_started", "world", "a robot stands in its bay and waits", (_ROBOT, _STATION)),
+    EventKind(
+        "unload_started", "world", "a person came near and unloading began", (_ROBOT, _STATION)
+    ),
+    EventKind(
+        "box_delivered", "world", "unloading ended and the box counts", (_ROBOT, _COLOUR, _STATION)
+    ),
     EventKind("returning_started", "world", "a robot has no task left, drives home", (_ROBOT,)),
     EventKind("home_reached", "world", "a robot is home and stays there", (_ROBOT,)),
     EventKind("trial_completed", "world", "every robot is home"),
