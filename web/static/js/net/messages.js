@@ -42,7 +42,7 @@ export class WireError extends Error {
  * @property {{ ribbon_widest_at: "goal" | "robot" }} settings
  *
  * @typedef {"waiting" | "countdown" | "running" | "paused" | "finished"} PhaseName
- * @typedef {{ type: "phase", phase: PhaseName, tick: number, seconds?: number, reason: string }} Phase
+ * @typedef {{ type: "phase", phase: PhaseName, tick: number, seconds?: number, reason: string, acknowledged_seq?: number }} Phase
  * @typedef {{ type: "delivered", boxes: number }} Delivered
  * @typedef {{ type: "finished", next: string }} Finished
  * @typedef {{ type: "pong", sent_ms: number }} Pong
