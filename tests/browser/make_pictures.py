@@ -23,7 +23,7 @@ from typing import Any
 
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from tests.browser.scene.worlds import build_world
+from tests.browser.scene.worlds import Eye, build_world
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENE = Path(__file__).resolve().parent / "scene"
@@ -60,11 +60,15 @@ SHOTS: dict[str, Shot] = {
         "study": {
             "aisle": (7.8, 2.6, 1.62, -0.03),
             "cross": (2.0, 10.8, 0.0, -0.03),
-            "station": (24.5, 3.6, -1.35, -0.05),
-            "corner": (1.2, 20.0, -0.7),
-            "homes": (25.6, 9.0, 0.55, -0.08),
+            "station": (21.0, 2.2, -0.5, -0.04),
+            "corner": (1.4, 20.0, -0.55, -0.06),
+            "homes": (23.4, 10.8, 0.1, -0.1),
         },
-        "large": {"aisle": (24.0, 26.0, 0.1), "corner": (1.5, 1.8, 0.75), "cross": (20.0, 32.0, -1.2)},
+        "large": {
+            "aisle": (24.0, 26.0, 0.1),
+            "corner": (1.5, 1.8, 0.75),
+            "cross": (20.0, 32.0, -1.2),
+        },
     }.items()
     for display in ("none", "mixed", "arroch", "crmiar", "full", "everything")
     for place, at in places.items()
@@ -97,9 +101,14 @@ def bundle_page(folder: Path) -> None:
     esbuild = ROOT / "node_modules" / ".bin" / "esbuild"
     entries = [str(SCENE / "page.js"), f"page={ROOT / 'web/static/css/play.css'}"]
     options = ["--bundle", "--format=esm", "--target=es2022", "--log-level=warning"]
-    subprocess.run([str(esbuild), entries[0], *options, f"--outfile={folder / 'page.js'}"], check=True)
+    subprocess.run(
+        [str(esbuild), entries[0], *options, f"--outfile={folder / 'page.js'}"], check=True
+    )
     css = str(ROOT / "web/static/css/play.css")
-    subprocess.run([str(esbuild), css, "--bundle", f"--outfile={folder / 'page.css'}", "--log-level=warning"], check=True)
+    subprocess.run(
+        [str(esbuild), css, "--bundle", f"--outfile={folder / 'page.css'}", "--log-level=warning"],
+        check=True,
+    )
     shutil.copy(SCENE / "index.html", folder / "index.html")
 
 
@@ -124,10 +133,15 @@ def serve_folder(folder: Path) -> Iterator[str]:
 
 def open_world(browser: Browser, folder: Path, url: str, shot: Shot) -> Page:
     """Open the picture page with a shot's world."""
-    world = build_world(shot.scale, shot.display, shot.seed)
+    world = build_world(shot.scale, shot.display, shot.seed, Eye(shot.x, shot.y, shot.heading))
     (folder / "world.json").write_text(json.dumps(world))
     page = browser.new_page(viewport={"width": shot.size[0], "height": shot.size[1]})
-    page.on("console", lambda message: print("console:", message.text) if message.type in ("error", "warning") else None)
+    page.on(
+        "console",
+        lambda message: (
+            print("console:", message.text) if message.type in ("error", "warning") else None
+        ),
+    )
     page.on("pageerror", lambda error: print("page error:", error))
     page.goto(url)
     page.wait_for_selector("body[data-ready]", state="attached", timeout=120_000)
@@ -136,7 +150,13 @@ def open_world(browser: Browser, folder: Path, url: str, shot: Shot) -> Page:
 
 def view_of(shot: Shot) -> dict[str, float]:
     """Return the viewpoint as the page takes it."""
-    return {"x": shot.x, "y": shot.y, "heading": shot.heading, "pitch": shot.pitch, "now_s": shot.now_s}
+    return {
+        "x": shot.x,
+        "y": shot.y,
+        "heading": shot.heading,
+        "pitch": shot.pitch,
+        "now_s": shot.now_s,
+    }
 
 
 def take(browser: Browser, folder: Path, url: str, shot: Shot, target: Path) -> dict[str, Any]:
@@ -154,7 +174,9 @@ def bench(browser: Browser, folder: Path, url: str) -> dict[str, Any]:
     shot = Shot("large", "everything", 24.0, 26.0, 0.1)
     page = open_world(browser, folder, url, shot)
     counts = page.evaluate("shot => window.picture.draw(shot)", view_of(shot))
-    runs = [page.evaluate("shot => window.picture.measure(shot, 300)", view_of(shot)) for _ in range(5)]
+    runs = [
+        page.evaluate("shot => window.picture.measure(shot, 300)", view_of(shot)) for _ in range(5)
+    ]
     medians = sorted(run["median_ms"] for run in runs)
     return {"drawn": counts, "median_ms": medians[2], "runs": runs}
 
@@ -168,7 +190,9 @@ def main() -> None:
     parser.add_argument("--elements", action="store_true")
     parser.add_argument("--bench", action="store_true")
     options = parser.parse_args()
-    jobs: list[tuple[str, Shot, Path]] = [(n, SHOTS[n], options.out / f"{n}.png") for n in options.names]
+    jobs: list[tuple[str, Shot, Path]] = [
+        (n, SHOTS[n], options.out / f"{n}.png") for n in options.names
+    ]
     if options.docs:
         jobs += [(n, s, ROOT / "docs" / "pictures" / f"{n}.png") for n, s in DOCS.items()]
     if options.elements:
@@ -182,7 +206,10 @@ def main() -> None:
         )
         with serve_folder(folder) as url:
             for title, shot, target in jobs:
-                print(json.dumps({"picture": title, **take(browser, folder, url, shot, target)}), flush=True)
+                print(
+                    json.dumps({"picture": title, **take(browser, folder, url, shot, target)}),
+                    flush=True,
+                )
             if options.bench:
                 print(json.dumps(bench(browser, folder, url)))
         browser.close()

@@ -5,6 +5,7 @@ Nothing moves here: the scene is shown at one moment, with the messages that a s
 
 from __future__ import annotations
 
+import math
 import random
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -82,10 +83,36 @@ def keep_corners(path: list[Cell]) -> list[Cell]:
 TURNS = {(1, 0): 0.0, (0, 1): 1.5708, (-1, 0): 3.1416, (0, -1): -1.5708}
 
 
-def place_robots(layout: Layout, seed: int) -> list[Robot]:
-    """Set the robots: every fourth one waits in a bay, the others drive to stations or shelves."""
+@dataclass(frozen=True)
+class Eye:
+    """Where a picture is taken from."""
+
+    x_m: float
+    y_m: float
+    heading: float
+
+
+def in_sight(layout: Layout, eye: Eye, cell: Cell) -> bool:
+    """Whether a cell lies 2.5 to 9 m ahead with no rack between."""
+    x, y = layout.cell_center_m(*cell)
+    dx, dy = x - eye.x_m, y - eye.y_m
+    far = math.hypot(dx, dy)
+    turn = math.remainder(math.atan2(dy, dx) - eye.heading, math.tau)
+    if not 2.5 < far < 9 or abs(turn) > 0.5:
+        return False
+    points = [(eye.x_m + dx * n / 40, eye.y_m + dy * n / 40) for n in range(41)]
+    shelves = layout.shelves_m.tolist()
+    return not any(x0 <= px <= x1 and y0 <= py <= y1 for px, py in points for x0, y0, x1, y1 in shelves)
+
+
+def place_robots(layout: Layout, seed: int, eye: Eye) -> list[Robot]:
+    """Set the robots: every fourth one waits in a bay, the others drive to stations or shelves.
+
+    Four of those that drive are set in sight of the eye.
+    """
     rng = random.Random(seed)
     free = [(int(i), int(j)) for j, i in zip(*layout.free.nonzero(), strict=True)]
+    near = [cell for cell in free if in_sight(layout, eye, cell)]
     used_bays: list[Cell] = []
     robots = []
     for robot in range(layout.spec.robots):
@@ -96,7 +123,9 @@ def place_robots(layout: Layout, seed: int) -> list[Robot]:
             x, y = layout.cell_center_m(*bay)
             robots.append(Robot(x, y, 1.5708 if bay[1] < 0 else -1.5708, 3, robot % 4, []))
             continue
-        start = free[rng.randrange(len(free))]
+        pool = near if robot in (0, 2, 4, 7) and near else free
+        start = pool[rng.randrange(len(pool))]
+        near = [c for c in near if max(abs(c[0] - start[0]), abs(c[1] - start[1])) > 1]
         if robot % 2 == 0:
             bay = next(cell for cell in station.bay_cells if cell not in used_bays)
             used_bays.append(bay)
@@ -133,17 +162,20 @@ DISPLAYS: dict[str, tuple[int, int, int]] = {
 def choose_display(name: str, robots: list[Robot]) -> dict[str, Any]:
     """Return overlays, masks and balloons; `mixed` is what a learned policy might show."""
     if name == "mixed":
-        masks = [LIVE | RIBBON if r.carrying >= 0 and r.corners else LIVE if r.state == 3 else 0 for r in robots]
+        masks = [
+            LIVE | RIBBON if r.carrying >= 0 and r.corners else LIVE if r.state == 3 else 0
+            for r in robots
+        ]
         masks = [mask | (GHOST if n % 3 == 0 and mask else 0) for n, mask in enumerate(masks)]
         return {"overlays": 0, "robots": masks, "stations": [0, 1, 0, 0]}
     overlays, mask, balloon = DISPLAYS[name]
     return {"overlays": overlays, "robots": [mask] * len(robots), "stations": [balloon] * 4}
 
 
-def build_world(scale: str, display: str, seed: int) -> dict[str, Any]:
+def build_world(scale: str, display: str, seed: int, eye: Eye) -> dict[str, Any]:
     """Return everything the picture page needs, as JSON values."""
     layout = build_layout(PRESETS[scale])
-    robots = place_robots(layout, seed)
+    robots = place_robots(layout, seed, eye)
     return {
         "hall": describe_hall(layout),
         "robots": [asdict(robot) for robot in robots],

@@ -13,10 +13,13 @@ import { makeBellShape } from "./robot_shape.js";
 const NEAR_M = 12;
 const GROWTH_PER_M = 0.045;
 const GROWTH_MAX = 2.2;
+/** A solid avatar shows only where something stands at least this far before it: never through its own robot. */
+const CLEARANCE_M = 0.42;
 
 const VERTEX = `
 attribute vec3 team;
 attribute float fade;
+uniform float ahead;
 varying vec3 vTeam, vNormalView, vToEye;
 varying float vFade, vHeight;
 void main() {
@@ -28,6 +31,8 @@ void main() {
   vNormalView = normalize((viewMatrix * modelMatrix * instanceMatrix * vec4(normal, 0.0)).xyz);
   vToEye = normalize(-eye.xyz);
   gl_Position = projectionMatrix * eye;
+  vec4 nearer = projectionMatrix * vec4(eye.xyz * (1.0 - ahead / max(length(eye.xyz), ahead + 0.2)), 1.0);
+  gl_Position.z = nearer.z / nearer.w * gl_Position.w;
 }`;
 
 const SOLID = `
@@ -38,7 +43,8 @@ void main() {
   float facing = max(dot(n, normalize(vToEye)), 0.0);
   float lamp = 0.74 + 0.34 * max(n.y, 0.0);
   float band = smoothstep(0.006, 0.0, abs(vHeight - 0.068) - 0.018) + smoothstep(0.006, 0.0, abs(vHeight - 0.4) - 0.012);
-  vec3 colour = mix(vTeam * lamp, vec3(1.0), 0.55 * min(1.0, band));
+  float tower = smoothstep(0.13, 0.15, vHeight) * smoothstep(0.37, 0.36, vHeight);
+  vec3 colour = mix(vTeam * lamp * (1.0 - 0.3 * tower), vec3(1.0), 0.6 * min(1.0, band));
   float rim = pow(1.0 - facing, 2.0);
   colour = mix(colour, vec3(1.0), 0.75 * smoothstep(0.45, 0.8, rim));
   gl_FragColor = vec4(colour, 0.95 * vFade);
@@ -52,7 +58,7 @@ void main() {
   float facing = max(dot(normalize(vNormalView), normalize(vToEye)), 0.0);
   float rim = pow(1.0 - facing, 1.6);
   float band = smoothstep(0.008, 0.0, abs(vHeight - 0.068) - 0.014) + smoothstep(0.008, 0.0, abs(vHeight - 0.4) - 0.012);
-  float alpha = 0.3 + 0.55 * rim + 0.35 * min(1.0, band);
+  float alpha = 0.36 + 0.5 * rim + 0.35 * min(1.0, band);
   vec3 colour = mix(vTeam, vec3(1.0), 0.12 + 0.4 * rim);
   gl_FragColor = vec4(colour, min(0.9, alpha) * vFade);
   #include <colorspace_fragment>
@@ -61,6 +67,7 @@ void main() {
 /** @param {boolean} ghost */
 function makeMaterial(ghost) {
   return new ShaderMaterial({
+    uniforms: { ahead: { value: ghost ? 0 : CLEARANCE_M } },
     vertexShader: VERTEX,
     fragmentShader: ghost ? GHOST : SOLID,
     transparent: true,

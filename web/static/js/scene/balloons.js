@@ -14,11 +14,12 @@ const GROWTH_MAX = 2.6;
 const BOB_M = 0.07;
 
 const VERTEX = `
+attribute float string;
 varying vec3 vNormalView, vToEye;
 varying float vString;
-attribute float string;
 void main() {
   vec4 world = instanceMatrix * vec4(position, 1.0);
+  world.y = mix(world.y, max(world.y, 0.4), string);
   vec4 eye = viewMatrix * world;
   vString = string;
   vNormalView = normalize((viewMatrix * vec4(normal, 0.0)).xyz);
@@ -52,7 +53,7 @@ function makeShape() {
     profile.push(new Vector2(Math.max(0, 0.5 * Math.cos(angle) * (1 - 0.2 * low)), 0.56 * Math.sin(angle) * (1 + 0.1 * low)));
   }
   const body = new LatheGeometry(profile, 28);
-  const string = new CylinderGeometry(0.008, 0.008, 2.1, 5, 1, true).translate(0, -1.7, 0);
+  const string = new CylinderGeometry(0.008, 0.008, 2.4, 5, 1, true).translate(0, -1.85, 0);
   for (const [shape, value] of /** @type {[import("three").BufferGeometry, number][]} */ ([[string, 1], [body, 0]])) {
     shape.deleteAttribute("uv");
     shape.setAttribute("string", new BufferAttribute(new Float32Array(shape.getAttribute("position").count).fill(value), 1));

@@ -92,10 +92,11 @@ export class Callouts {
       const bearing = wrapAngle(eye.heading - Math.atan2(sample.y_m - eye.y, sample.x_m - eye.x));
       if (!isInView(bearing, eye.halfView)) outside.push({ robot, bearing });
     });
+    const displaced = { up: 0, right: 0 };
     const spread = spreadBearings(outside.map(({ bearing }) => bearing), ARROW_GAP);
     outside.forEach(({ robot }, n) => {
       const spot = edgeSpot(spread[n] ?? 0, frame);
-      if (keepOut) pushFrom(spot, keepOut, ARROW_INSET_PX);
+      if (keepOut) stepAside(spot, keepOut, displaced);
       const [dx, dy] = [Math.cos(spot.angle), Math.sin(spot.angle)];
       this.sprites.add(arrowCell(robot), spot.x + dx * 24, spot.y + dy * 24, ARROW_PX * 0.9, ARROW_PX * 0.9, { turn: spot.angle });
       this.sprites.add(pillCell(robot), spot.x, spot.y, ARROW_PX, ARROW_PX, {});
@@ -103,12 +104,13 @@ export class Callouts {
   }
 }
 
-/** @param {{ x: number, y: number }} spot @param {Disc} disc @param {number} margin */
-function pushFrom(spot, disc, margin) {
-  const [dx, dy] = [spot.x - disc.x, spot.y - disc.y];
-  const far = Math.hypot(dx, dy) || 1;
-  const least = disc.radius + margin * 0.7;
-  if (far >= least) return;
-  spot.x = disc.x + (dx / far) * least;
-  spot.y = disc.y + (dy / far) * least;
+/**
+ * Moves a spot that would lie under the minimap along the edge it sits on, one place per arrow.
+ * @param {{ x: number, y: number }} spot @param {Disc} disc @param {{ up: number, right: number }} displaced so far
+ */
+function stepAside(spot, disc, displaced) {
+  if (Math.hypot(spot.x - disc.x, spot.y - disc.y) > disc.radius + ARROW_PX * 0.6) return;
+  const first = disc.radius + ARROW_PX * 0.8;
+  if (spot.x - disc.x < disc.y - spot.y) spot.y = disc.y - first - ARROW_PX * displaced.up++;
+  else spot.x = disc.x + first + ARROW_PX * displaced.right++;
 }

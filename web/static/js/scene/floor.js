@@ -43,7 +43,7 @@ vec3 mirrored(vec2 plan, vec3 ray, float rough) {
     hidden = max(hidden, solid * (1.0 - 0.35 * t));
   }
   vec2 hit = plan + vec2(ray.x, -ray.z) * ceiling / max(ray.y, 0.04);
-  float lamp = lights(hit, 0.25 + rough);
+  float lamp = lights(hit, 0.4 + rough) * smoothstep(0.45, 0.12, ray.y);
   return mix(vec3(0.34, 0.36, 0.38) + vec3(1.5) * lamp, vec3(0.13, 0.14, 0.15), hidden);
 }
 

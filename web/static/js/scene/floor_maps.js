@@ -153,7 +153,7 @@ export function computeShade(hall) {
     for (let i = 0; i < wide; i += 1) {
       const n = j * wide + i;
       const wall = Math.min(i, j, wide - 1 - i, tall - 1 - j) / SHADE_PER_M;
-      const light = (1 - 0.45 * (near[n] ?? 0)) * (1 - 0.62 * Math.min(1, 1.25 * (far[n] ?? 0))) * (1 - 0.3 * Math.exp(-wall / 0.5));
+      const light = (1 - 0.45 * (near[n] ?? 0)) * (1 - 0.7 * Math.min(1, 1.3 * (far[n] ?? 0))) * (1 - 0.3 * Math.exp(-wall / 0.5));
       data[4 * n] = 255 * light;
       data[4 * n + 1] = 255 * (near[n] ?? 0);
       data[4 * n + 3] = 255;

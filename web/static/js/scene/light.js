@@ -12,10 +12,10 @@ export const FOG_DENSITY = 0.0105;
 
 /** @returns {import("three").Light[]} */
 export function makeLights() {
-  const sky = new HemisphereLight("#ffffff", "#8d8a84", 2.1);
-  const key = new DirectionalLight("#fff4e2", 1.25);
+  const sky = new HemisphereLight("#ffffff", "#b4b0a8", 2.75);
+  const key = new DirectionalLight("#fff4e2", 0.95);
   key.position.set(0.55, 1, 0.4);
-  const rim = new DirectionalLight("#dbe8ff", 0.55);
+  const rim = new DirectionalLight("#dbe8ff", 0.5);
   rim.position.set(-0.6, 0.5, -0.75);
   return [sky, key, rim];
 }

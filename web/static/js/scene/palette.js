@@ -12,7 +12,7 @@ export const ROBOT_COLOURS = Object.freeze([
 export const STATION_COLOURS = Object.freeze(["#0f9aa0", "#7c5ac7", "#d98028", "#c8487f"]);
 
 /** Box colours by index: red, green, blue, yellow. */
-export const BOX_COLOURS = Object.freeze(["#b8473b", "#4c8d5c", "#4a70ad", "#d6ad45"]);
+export const BOX_COLOURS = Object.freeze(["#c4594c", "#5f9e6d", "#5b80b8", "#dcb756"]);
 
 export const BALLOON_COLOUR = "#e3202b";
 

@@ -12,7 +12,7 @@ import { RACK_DECKS_M, RACK_TOP_M, seededRandom } from "./space.js";
 /** @typedef {import("./space.js").HallPlan} HallPlan */
 /** @typedef {import("./builder.js").MeshBuilder} MeshBuilder */
 
-const POST = new Color("#2d4a6b");
+const POST = new Color("#3a5a80");
 const BEAM = new Color("#c96a2e");
 const DECK = new Color("#848b90");
 const FOOT = new Color("#e2a91c");
@@ -66,8 +66,8 @@ function drawBoxFace(document) {
   const pen = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
   const shade = pen.createLinearGradient(0, 0, 0, 256);
   shade.addColorStop(0, "#ffffff");
-  shade.addColorStop(0.75, "#e6e6e6");
-  shade.addColorStop(1, "#a8a8a8");
+  shade.addColorStop(0.8, "#f0f0f0");
+  shade.addColorStop(1, "#c4c4c4");
   pen.fillStyle = shade;
   pen.fillRect(0, 0, 256, 256);
   pen.strokeStyle = "rgba(0, 0, 0, 0.28)";
@@ -131,7 +131,7 @@ function stockRacks(hall) {
         const y = (y0 + y1) / 2 + (random() - 0.5) * 0.04;
         const turn = new Quaternion().setFromAxisAngle(up, (random() - 0.5) * 0.05 + (random() < 0.5 ? Math.PI : 0));
         const matrix = new Matrix4().compose(new Vector3(x, deck + size.y / 2 + 0.003, -y), turn, size);
-        const colour = (colours[(first + n * step) % 4] ?? new Color()).clone().multiplyScalar(0.88 + 0.2 * random());
+        const colour = (colours[(first + n * step) % 4] ?? new Color()).clone().multiplyScalar(0.9 + 0.2 * random());
         boxes.push({ matrix, colour });
       }
     });

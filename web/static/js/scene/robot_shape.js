@@ -107,7 +107,7 @@ export function makeRobotShape() {
 
 /** The robot as a closed bell without inner faces, for avatars and ghosts. @returns {BufferGeometry} */
 export function makeBellShape() {
-  const profile = [[0, 0.01], [0.165, 0.01], [0.19, 0.035], [0.19, 0.1], [0.178, 0.122], [0.15, 0.132], [0.15, 0.365], [0.178, 0.378], [0.182, 0.4], [0.176, 0.425], [0.16, 0.436], [0, 0.44]];
+  const profile = [[0, 0.01], [0.165, 0.01], [0.19, 0.035], [0.19, 0.1], [0.18, 0.128], [0.164, 0.136], [0.164, 0.24], [0.17, 0.244], [0.17, 0.256], [0.164, 0.26], [0.164, 0.366], [0.18, 0.374], [0.184, 0.4], [0.178, 0.425], [0.162, 0.436], [0, 0.44]];
   const shape = new LatheGeometry(profile.map(([x, y]) => new Vector2(x, y)), 28);
   shape.deleteAttribute("uv");
   return shape;

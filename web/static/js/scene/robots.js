@@ -10,7 +10,7 @@ import { makeRobotShape } from "./robot_shape.js";
 /** @typedef {import("./space.js").RobotSample} RobotSample */
 
 /** How much of the robot's colour its whole body takes when its live location is shown. */
-const SHOWN_TINT = 0.72;
+const SHOWN_TINT = 0.8;
 
 /** @param {import("three").Texture} atlas */
 function makeMaterial(atlas) {

@@ -92,10 +92,10 @@ function addHomes(builder, hall) {
     const y = cellY(j);
     builder.box([edge - 0.1, y - 0.2, edge, y + 0.2], 0, 0.3, DARK);
     const face = edge - 0.104;
-    builder.panel([[face, 0.08, -(y - 0.1)], [face, 0.08, -(y + 0.1)], [face, 0.28, -(y + 0.1)], [face, 0.28, -(y - 0.1)]], WHITE, CHARGE_CELL, { glow: 0.25 });
+    builder.panel([[face, 0.08, -(y + 0.1)], [face, 0.08, -(y - 0.1)], [face, 0.28, -(y - 0.1)], [face, 0.28, -(y + 0.1)]], WHITE, CHARGE_CELL, { glow: 0.25 });
     builder.box([edge - 0.03, y - 0.22, edge, y + 0.22], 0.62, 1.06, DARK);
     const board = edge - 0.035;
-    builder.panel([[board, 0.65, -(y - 0.19)], [board, 0.65, -(y + 0.19)], [board, 1.03, -(y + 0.19)], [board, 1.03, -(y - 0.19)]], WHITE, plateCell(robot), { glow: 0.05 });
+    builder.panel([[board, 0.65, -(y + 0.19)], [board, 0.65, -(y - 0.19)], [board, 1.03, -(y - 0.19)], [board, 1.03, -(y + 0.19)]], WHITE, plateCell(robot), { glow: 0.05 });
     for (const low of robot === 0 ? [y - 0.9, y + 0.3] : [y + 0.3]) addKerb(builder, x, low, low + 0.6);
   });
 }
