@@ -83,7 +83,9 @@ def _items_view(study: Study, kind: str, position: int | None, values: dict[str,
     instrument = study.instrument(kind)
     if instrument is None:
         raise LookupError(f"the step kind {kind} has no page")
-    heading = instrument.title if position is None else f"{instrument.title}: round {position}"
+    heading = instrument.title
+    if position is not None:
+        heading = f"{instrument.title} ({display_label(position)})"
     button = "Finish the study" if kind == "comments" else "Save and go on"
     labels = {item.name: item.label.rstrip(".") for item in instrument.items}
     template = "consent.html" if kind == "consent" else "items.html"

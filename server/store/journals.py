@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import select, update
-from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.ext.asyncio import AsyncSession
 
+from server.store.inserting import insert_new
 from server.store.tables import Participant, Trial, TrialChunk, TrialEvent
 from study.records.events import JournalEvent
 from study.records.journal import JournalChunk
@@ -24,23 +24,20 @@ _HASH = struct.Struct("<I8s")
 
 async def add_batches(session: AsyncSession, batches: Sequence[TrialBatch], now: datetime) -> None:
     """Store new chunks and events of many trials; what is stored already is left alone."""
+    newest = {batch.trial_id: batch for batch in batches}
+    if not newest:
+        return
+    # Participants first: everybody else who locks both locks them in this order.
+    owners = select(Trial.participant_id).where(Trial.id.in_(list(newest)))
+    await session.execute(update(Participant).where(Participant.id.in_(owners)).values(seen_at=now))
+    await session.execute(
+        update(Trial),
+        [{"id": b.trial_id, "ticks": b.tick, "phase": b.phase} for b in newest.values()],
+    )
     chunks = [_chunk_row(b.trial_id, b.chunk) for b in batches if b.chunk is not None]
     events = [_event_row(b.trial_id, event) for b in batches for event in b.events]
-    await _insert_new(session, TrialChunk, chunks)
-    await _insert_new(session, TrialEvent, events)
-    newest = {batch.trial_id: batch for batch in batches}
-    if newest:
-        await session.execute(
-            update(Trial),
-            [{"id": b.trial_id, "ticks": b.tick, "phase": b.phase} for b in newest.values()],
-        )
-        await session.execute(
-            update(Participant)
-            .where(
-                Participant.id.in_(select(Trial.participant_id).where(Trial.id.in_(list(newest))))
-            )
-            .values(seen_at=now)
-        )
+    await insert_new(session, TrialChunk, chunks)
+    await insert_new(session, TrialEvent, events)
 
 
 async def read_journal(
@@ -54,18 +51,6 @@ async def read_journal(
         select(TrialEvent).where(TrialEvent.trial_id == trial_id).order_by(TrialEvent.number)
     )
     return tuple(_read_chunk(row) for row in chunks), tuple(_read_event(row) for row in events)
-
-
-async def _insert_new(
-    session: AsyncSession, table: type[TrialChunk | TrialEvent], rows: list[dict[str, Any]]
-) -> None:
-    if not rows:
-        return
-    dialect = session.get_bind().dialect.name
-    if dialect == "postgresql":
-        await session.execute(postgresql.insert(table).on_conflict_do_nothing(), rows)
-    else:
-        await session.execute(sqlite.insert(table).on_conflict_do_nothing(), rows)
 
 
 def _chunk_row(trial_id: str, chunk: JournalChunk) -> dict[str, Any]:

@@ -42,4 +42,4 @@ async def read_answers(session: AsyncSession, participant_id: int, step: str) ->
         .where(Response.participant_id == participant_id, Response.step == step)
         .order_by(Response.item_order)
     )
-    return dict(rows.tuples().all())
+    return {item: value for item, value in rows}  # noqa: C416

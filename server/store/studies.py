@@ -7,26 +7,25 @@ from datetime import datetime
 from sqlalchemy import select
 from sqlalchemy.ext.asyncio import AsyncSession
 
+from server.store.inserting import insert_new
 from server.store.tables import StudyVersion
 from study.config import Study
 
 
 async def keep_version(session: AsyncSession, study: Study, now: datetime) -> int:
     """Id of this version of the study; a version met for the first time is stored."""
-    known = await session.scalar(
-        select(StudyVersion.id).where(StudyVersion.config_hash == study.config_hash)
-    )
+    here = select(StudyVersion.id).where(StudyVersion.config_hash == study.config_hash)
+    known = await session.scalar(here)
     if known is not None:
         return known
-    version = StudyVersion(
-        study_id=study.study_id,
-        config_hash=study.config_hash,
-        config_json=study.canonical_json,
-        added_at=now,
-    )
-    session.add(version)
-    await session.flush()
-    return version.id
+    row = {
+        "study_id": study.study_id,
+        "config_hash": study.config_hash,
+        "config_json": study.canonical_json,
+        "added_at": now,
+    }
+    await insert_new(session, StudyVersion, [row])
+    return (await session.scalars(here)).one()
 
 
 async def read_version(session: AsyncSession, version_id: int) -> Study:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import select, update
 from sqlalchemy.ext.asyncio import AsyncSession
 
+from server.store.inserting import insert_new
 from server.store.tables import StoredPolicy, Trial, TrialLeg, TrialRobot
 from study.errors import NotFound
 
@@ -160,9 +161,8 @@ async def abandon_open(session: AsyncSession, participant_id: int, now: datetime
 
 async def keep_policy(session: AsyncSession, sha256: str, document: str, now: datetime) -> None:
     """Store a policy file by its hash, once."""
-    if await session.get(StoredPolicy, sha256) is None:
-        session.add(StoredPolicy(sha256=sha256, document=document, added_at=now))
-        await session.flush()
+    row = {"sha256": sha256, "document": document, "added_at": now}
+    await insert_new(session, StoredPolicy, [row])
 
 
 async def read_policies(session: AsyncSession, hashes: Iterable[str]) -> dict[str, str]:
@@ -172,7 +172,7 @@ async def read_policies(session: AsyncSession, hashes: Iterable[str]) -> dict[st
             StoredPolicy.sha256.in_(list(hashes))
         )
     )
-    return dict(rows.tuples().all())
+    return {sha256: document for sha256, document in rows}  # noqa: C416
 
 
 def _or_none(index: int) -> int | None:

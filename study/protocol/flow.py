@@ -27,7 +27,7 @@ TrialEnd = Literal["completed", "timed_out"]
 _FIRST = ("consent", "browser-check", "demographics", "instructions", "practice")
 _REPEATED = ("explanation", "trial", "questionnaire")
 _LAST = ("comments", "debrief")
-_STEP_PATTERN = re.compile(r"^(?P<kind>[a-z-]+?)(?:-(?P<position>[1-9][0-9]?))?$")
+_STEP_PATTERN = re.compile(r"(?P<kind>[a-z-]+?)(?:-(?P<position>[1-9][0-9]?))?")
 
 
 class UnknownStep(NotFound):
@@ -104,7 +104,7 @@ def start(plan: Plan) -> Progress:
 
 def step_kind(step: str) -> tuple[str, int | None]:
     """Kind and position of a step id: `trial-2` -> ("trial", 2), `consent` -> ("consent", None)."""
-    match = _STEP_PATTERN.match(step)
+    match = _STEP_PATTERN.fullmatch(step)
     if match is None:
         raise UnknownStep(step)
     position = match["position"]
