@@ -13,11 +13,16 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+import numpy.typing as npt
+
 from study.warehouse.halls import CELL_M
 from study.warehouse.kernels import kernel
-from study.warehouse.planning import STOP2, replan
+from study.warehouse.planning import STOP2, Records
 from study.warehouse.routes import BAY
-from study.warehouse.state import BACKWARD, CENTRING, FORWARD, STANDING, Floor, Motion
+from study.warehouse.state import BACKWARD, CENTRING, FORWARD, STANDING, Record
+
+Bays = npt.NDArray[np.int16]
 
 TURN_STEP = 1092
 """Turning on the spot, 180 degrees per second, in 65536ths of a turn per tick."""
@@ -35,13 +40,12 @@ def direction_of(offset: int) -> int:
 
 
 @kernel
-def place_at(floor: Floor, motion: Motion, robot: int, s: float) -> tuple[float, float]:
+def place_at(cells: Records, r: Record, s: float) -> tuple[float, float]:
     """Return the place `s` metres along the robot's way from its tail over its head to its next."""
-    r = motion.robots[robot]
-    ax = floor.centers[r.tail, 0]
-    ay = floor.centers[r.tail, 1]
-    bx = floor.centers[r.head, 0]
-    by = floor.centers[r.head, 1]
+    ax = cells[r.tail].x
+    ay = cells[r.tail].y
+    bx = cells[r.head].x
+    by = cells[r.head].y
     turn = r.turn_m
     if turn == 0.0 or s <= CELL_M - turn:
         share = s / CELL_M
@@ -49,15 +53,14 @@ def place_at(floor: Floor, motion: Motion, robot: int, s: float) -> tuple[float,
     t = (s - (CELL_M - turn)) / (2.0 * turn)
     back = (1.0 - t) * (1.0 - t) * turn / CELL_M
     on = t * t * turn / CELL_M
-    x = bx + back * (ax - bx) + on * (floor.centers[r.next, 0] - bx)
-    y = by + back * (ay - by) + on * (floor.centers[r.next, 1] - by)
+    x = bx + back * (ax - bx) + on * (cells[r.next].x - bx)
+    y = by + back * (ay - by) + on * (cells[r.next].y - by)
     return x, y
 
 
 @kernel
-def heading_at(motion: Motion, robot: int, s: float) -> int:
+def heading_at(r: Record, s: float) -> int:
     """Return the heading (65536ths of a turn) `s` metres along the robot's way."""
-    r = motion.robots[robot]
     first = direction_of(r.head - r.tail) << 14
     if r.turn_m == 0.0 or s <= CELL_M - r.turn_m:
         return first
@@ -69,11 +72,10 @@ def heading_at(motion: Motion, robot: int, s: float) -> int:
 
 
 @kernel
-def go_to(motion: Motion, robot: int, x: float, y: float) -> bool:
+def go_to(trial: Record, r: Record, x: float, y: float) -> bool:
     """Put the robot at (x, y) unless that comes too near to the human; say whether it went."""
-    r = motion.robots[robot]
-    hx = motion.trial[0].x
-    hy = motion.trial[0].y
+    hx = trial.x
+    hy = trial.y
     gap2 = (x - hx) * (x - hx) + (y - hy) * (y - hy)
     if gap2 < STOP2 and gap2 < (r.x - hx) * (r.x - hx) + (r.y - hy) * (r.y - hy):
         return False
@@ -85,22 +87,20 @@ def go_to(motion: Motion, robot: int, x: float, y: float) -> bool:
 
 
 @kernel
-def release(floor: Floor, motion: Motion, robot: int, cell: int) -> None:
+def release(cells: Records, bays: Bays, r: Record, cell: int) -> None:
     """Give a cell back; a bay's reservation ends when the robot has left it."""
-    motion.holds[cell] = -1
-    r = motion.robots[robot]
-    if floor.kinds[cell] == BAY and r.bay >= 0 and r.carrying < 0:
-        motion.bays[r.bay] = -1
+    cells[cell].holder = -1
+    if cells[cell].kind == BAY and r.bay >= 0 and r.carrying < 0:
+        bays[r.bay] = -1
         r.bay = -1
 
 
 @kernel
-def stand_in(floor: Floor, motion: Motion, robot: int, cell: int) -> None:
+def stand_in(cells: Records, bays: Bays, r: Record, cell: int) -> None:
     """End the robot's way in the centre of `cell` and give back the other cells it holds."""
-    r = motion.robots[robot]
     for held in (r.tail, r.head, r.next):
-        if held >= 0 and held != cell and motion.holds[held] == robot:
-            release(floor, motion, robot, held)
+        if held >= 0 and held != cell and cells[held].holder == r.index:
+            release(cells, bays, r, held)
     r.tail = cell
     r.head = cell
     r.next = -1
@@ -108,14 +108,13 @@ def stand_in(floor: Floor, motion: Motion, robot: int, cell: int) -> None:
     r.turn_m = 0.0
     r.stuck = 0
     r.mode = STANDING
-    r.x = floor.centers[cell, 0]
-    r.y = floor.centers[cell, 1]
+    r.x = cells[cell].x
+    r.y = cells[cell].y
 
 
 @kernel
-def drive_forward(floor: Floor, motion: Motion, robot: int) -> bool:
+def drive_forward(trial: Record, cells: Records, bays: Bays, r: Record, step_m: float) -> bool:
     """Drive one tick towards the head; say whether the human was not in the way."""
-    r = motion.robots[robot]
     if r.s == 0.0:
         wanted = direction_of(r.head - r.tail) << 14
         off = (wanted - int(r.heading)) & 65535
@@ -125,34 +124,33 @@ def drive_forward(floor: Floor, motion: Motion, robot: int) -> bool:
             off = max(-TURN_STEP, min(TURN_STEP, off))
             r.heading = (int(r.heading) + off) & 65535
             return True
-    s = r.s + floor.hall[0].robot_step_m
+    s = r.s + step_m
     if r.next < 0 and s >= CELL_M:
-        if not go_to(motion, robot, floor.centers[r.head, 0], floor.centers[r.head, 1]):
+        if not go_to(trial, r, cells[r.head].x, cells[r.head].y):
             return False
-        stand_in(floor, motion, robot, r.head)
+        stand_in(cells, bays, r, r.head)
         return True
     if r.next >= 0 and s >= CELL_M + r.turn_m:
-        return pass_on(floor, motion, robot, s - CELL_M)
-    x, y = place_at(floor, motion, robot, s)
-    if not go_to(motion, robot, x, y):
+        return pass_on(trial, cells, bays, r, s - CELL_M)
+    x, y = place_at(cells, r, s)
+    if not go_to(trial, r, x, y):
         return False
     r.s = s
-    r.heading = heading_at(motion, robot, s)
+    r.heading = heading_at(r, s)
     return True
 
 
 @kernel
-def pass_on(floor: Floor, motion: Motion, robot: int, s: float) -> bool:
+def pass_on(trial: Record, cells: Records, bays: Bays, r: Record, s: float) -> bool:
     """Leave the tail behind: the head becomes the tail, the next the head."""
-    r = motion.robots[robot]
-    ax = floor.centers[r.head, 0]
-    ay = floor.centers[r.head, 1]
+    ax = cells[r.head].x
+    ay = cells[r.head].y
     share = s / CELL_M
-    x = ax + (floor.centers[r.next, 0] - ax) * share
-    y = ay + (floor.centers[r.next, 1] - ay) * share
-    if not go_to(motion, robot, x, y):
+    x = ax + (cells[r.next].x - ax) * share
+    y = ay + (cells[r.next].y - ay) * share
+    if not go_to(trial, r, x, y):
         return False
-    release(floor, motion, robot, r.tail)
+    release(cells, bays, r, r.tail)
     r.tail = r.head
     r.head = r.next
     r.next = -1
@@ -163,50 +161,46 @@ def pass_on(floor: Floor, motion: Motion, robot: int, s: float) -> bool:
 
 
 @kernel
-def drive_backward(floor: Floor, motion: Motion, robot: int) -> bool:
+def drive_backward(trial: Record, cells: Records, bays: Bays, r: Record, step_m: float) -> bool:
     """Drive one tick back to the tail; say whether the human was not in the way."""
-    r = motion.robots[robot]
-    s = max(0.0, r.s - floor.hall[0].robot_step_m)
-    x, y = place_at(floor, motion, robot, s)
-    if not go_to(motion, robot, x, y):
+    s = max(0.0, r.s - step_m)
+    x, y = place_at(cells, r, s)
+    if not go_to(trial, r, x, y):
         return False
     r.s = s
-    r.heading = heading_at(motion, robot, s)
+    r.heading = heading_at(r, s)
     if s == 0.0:
-        stand_in(floor, motion, robot, r.tail)
-        replan(floor, motion, robot)
+        stand_in(cells, bays, r, r.tail)
+        r.replan = 1
     return True
 
 
 @kernel
-def drive_to_centre(floor: Floor, motion: Motion, robot: int) -> bool:
+def drive_to_centre(trial: Record, cells: Records, bays: Bays, r: Record, step_m: float) -> bool:
     """Drive one tick straight to the head's centre; say whether the human was not in the way."""
-    r = motion.robots[robot]
-    ux = floor.centers[r.head, 0] - r.x
-    uy = floor.centers[r.head, 1] - r.y
+    ux = cells[r.head].x - r.x
+    uy = cells[r.head].y - r.y
     left = math.sqrt(ux * ux + uy * uy)
-    step = floor.hall[0].robot_step_m
-    if left <= step:
-        if not go_to(motion, robot, floor.centers[r.head, 0], floor.centers[r.head, 1]):
+    if left <= step_m:
+        if not go_to(trial, r, cells[r.head].x, cells[r.head].y):
             return False
-        stand_in(floor, motion, robot, r.head)
-        replan(floor, motion, robot)
+        stand_in(cells, bays, r, r.head)
+        r.replan = 1
         return True
-    return go_to(motion, robot, r.x + ux / left * step, r.y + uy / left * step)
+    return go_to(trial, r, r.x + ux / left * step_m, r.y + uy / left * step_m)
 
 
 @kernel
-def drive(floor: Floor, motion: Motion, robot: int) -> None:
+def drive(trial: Record, cells: Records, bays: Bays, r: Record, step_m: float) -> None:
     """Move the robot by one tick; change its mind when the human stays in the way."""
-    r = motion.robots[robot]
     if r.mode == STANDING:
         return
     if r.mode == FORWARD:
-        went = drive_forward(floor, motion, robot)
+        went = drive_forward(trial, cells, bays, r, step_m)
     elif r.mode == BACKWARD:
-        went = drive_backward(floor, motion, robot)
+        went = drive_backward(trial, cells, bays, r, step_m)
     else:
-        went = drive_to_centre(floor, motion, robot)
+        went = drive_to_centre(trial, cells, bays, r, step_m)
     if went:
         r.stuck = 0
         return
@@ -216,19 +210,18 @@ def drive(floor: Floor, motion: Motion, robot: int) -> None:
     on_corner = r.turn_m > 0.0 and r.s > CELL_M - r.turn_m
     if r.mode == BACKWARD:
         r.mode = FORWARD
-    elif on_corner and not backs_away(floor, motion, robot):
+    elif on_corner and not backs_away(trial, cells, r, step_m):
         r.mode = CENTRING
     else:
         r.mode = BACKWARD
-    replan(floor, motion, robot)
+    r.replan = 1
 
 
 @kernel
-def backs_away(floor: Floor, motion: Motion, robot: int) -> bool:
+def backs_away(trial: Record, cells: Records, r: Record, step_m: float) -> bool:
     """Say whether driving back leads the robot away from the human."""
-    r = motion.robots[robot]
-    hx = motion.trial[0].x
-    hy = motion.trial[0].y
-    x, y = place_at(floor, motion, robot, max(0.0, r.s - floor.hall[0].robot_step_m))
+    hx = trial.x
+    hy = trial.y
+    x, y = place_at(cells, r, max(0.0, r.s - step_m))
     gap2 = (x - hx) * (x - hx) + (y - hy) * (y - hy)
     return bool(gap2 >= (r.x - hx) * (r.x - hx) + (r.y - hy) * (r.y - hy))

@@ -110,10 +110,9 @@ class Layout:
         if not (0 <= cell[0] < self.width_cells and 0 <= cell[1] < self.height_cells):
             raise LayoutError(f"{cell} is no cell of the shared grid", where=self.spec.name)
         fill_field(kinds, self.stride, goal, field, queue)
-        field[kinds == SOLID] = UNREACHED
         shape = (self.height_cells + 2 * PAD, self.stride)
         inner = field.reshape(shape)[PAD:-PAD, PAD:-PAD].astype(np.int32)
-        inner[inner == UNREACHED] = -1
+        inner[inner >= WALL] = -1
         inner.setflags(write=False)
         return inner
 

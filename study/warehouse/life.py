@@ -6,8 +6,11 @@ The unload radius of 1.0 m and the life's order are the paper's; pick and unload
 
 from __future__ import annotations
 
+import numpy as np
+import numpy.typing as npt
+
 from study.warehouse.kernels import kernel
-from study.warehouse.planning import ZONE2, human_gap2, replan
+from study.warehouse.planning import ZONE2, Records, human_gap2
 from study.warehouse.right_of_way import is_moving
 from study.warehouse.routes import SHARED, neighbour_offset
 from study.warehouse.state import (
@@ -21,8 +24,11 @@ from study.warehouse.state import (
     WAITING,
     Floor,
     Motion,
+    Record,
 )
 from study.warehouse.tasks import box_colour, reserve_bay
+
+Floats = npt.NDArray[np.float64]
 
 EVENT_KINDS = (
     "leg_started",
@@ -81,15 +87,14 @@ def close_leg(motion: Motion, robot: int, station: int) -> None:
 
 
 @kernel
-def set_goal(floor: Floor, motion: Motion, robot: int, goal: int) -> None:
-    """Give the robot a new goal (-1: none) and plan its way."""
-    r = motion.robots[robot]
+def set_goal(trial: Record, r: Record, goal: int) -> None:
+    """Give the robot a new goal (-1: none); its way is planned before the tick ends."""
     r.goal = goal
-    r.goal_tick = motion.trial[0].tick
+    r.goal_tick = trial.tick
     r.best = 32767
     r.stall = 0
     r.detour = 0
-    replan(floor, motion, robot)
+    r.replan = 1
 
 
 @kernel
@@ -102,14 +107,14 @@ def start_task(floor: Floor, motion: Motion, robot: int) -> None:
         r.shelf = -1
         r.box = -1
         tell(motion, RETURNING_STARTED, robot, 0, 0)
-        set_goal(floor, motion, robot, floor.hall[0].shelves + motion.bays.size + robot)
+        set_goal(motion.trial[0], r, floor.hall[0].shelves + motion.bays.size + robot)
         return
     r.shelf = motion.tasks[trial.tasks_given, 0]
     r.box = motion.tasks[trial.tasks_given, 1]
     trial.tasks_given += 1
     r.state = TO_SHELF
     tell(motion, LEG_STARTED, robot, r.shelf, r.box)
-    set_goal(floor, motion, robot, r.shelf)
+    set_goal(motion.trial[0], r, r.shelf)
 
 
 @kernel
@@ -122,7 +127,7 @@ def finish_pick(floor: Floor, motion: Motion, robot: int) -> None:
     r.station = r.bay // floor.hall[0].bays
     r.state = TO_STATION
     tell(motion, BOX_PICKED, robot, r.carrying, r.station)
-    set_goal(floor, motion, robot, floor.hall[0].shelves + r.bay)
+    set_goal(motion.trial[0], r, floor.hall[0].shelves + r.bay)
 
 
 @kernel
@@ -140,14 +145,12 @@ def finish_unload(floor: Floor, motion: Motion, robot: int) -> None:
 
 
 @kernel
-def human_serves(floor: Floor, motion: Motion, robot: int) -> bool:
+def human_serves(trial: Record, hall: Record, stations: Floats, r: Record) -> bool:
     """Say whether the human is near enough for the waiting robot to be unloaded."""
-    trial = motion.trial[0]
-    r = motion.robots[robot]
-    reach = floor.hall[0].unload_m
-    if floor.hall[0].by_station == 1:
-        dx = trial.x - floor.stations[r.station, 0]
-        dy = trial.y - floor.stations[r.station, 1]
+    reach = hall.unload_m
+    if hall.by_station == 1:
+        dx = trial.x - stations[r.station, 0]
+        dy = trial.y - stations[r.station, 1]
         return bool(-reach <= dx <= reach and -reach <= dy <= reach)
     dx = trial.x - r.x
     dy = trial.y - r.y
@@ -171,66 +174,77 @@ def arrive(floor: Floor, motion: Motion, robot: int) -> None:
         r.done_tick = motion.trial[0].tick
         motion.trial[0].home += 1
         tell(motion, HOME_REACHED, robot, 0, 0)
-    set_goal(floor, motion, robot, -1)
+    set_goal(motion.trial[0], r, -1)
 
 
 @kernel
-def live(floor: Floor, motion: Motion, robot: int) -> None:
-    """Advance the robot's life by one tick, before it moves."""
+def start_unload(motion: Motion, robot: int) -> None:
+    """End the wait: the human is here."""
     r = motion.robots[robot]
-    if is_moving(motion, robot):
-        if r.mode == STANDING and floor.fields[r.goal, r.tail] == 0:
-            arrive(floor, motion, robot)
-    elif r.state == PICKING:
+    close_leg(motion, robot, r.station)
+    r.waited_ticks += r.wait_ticks
+    r.wait_ticks = 0
+    r.state = UNLOADING
+    tell(motion, UNLOAD_STARTED, robot, r.station, 0)
+
+
+@kernel
+def something_ends(
+    trial: Record, hall: Record, r: Record, fields: npt.NDArray[np.int16], stations: Floats
+) -> bool:
+    """Advance the clocks of a robot's state by one tick; say whether the state ends now."""
+    if r.state == WAITING:
+        if human_serves(trial, hall, stations, r):
+            return True
+        r.wait_ticks += 1
+        return False
+    if r.state == PICKING or r.state == UNLOADING:
         r.timer -= 1
-        if r.timer == 0:
-            finish_pick(floor, motion, robot)
+        return bool(r.timer == 0)
+    return bool(r.state != HOME_STATE and r.mode == STANDING and fields[r.goal, r.tail] == 0)
+
+
+@kernel
+def change_state(floor: Floor, motion: Motion, robot: int) -> None:
+    """Go on to what follows in the robot's life."""
+    r = motion.robots[robot]
+    if r.state == PICKING:
+        finish_pick(floor, motion, robot)
     elif r.state == WAITING:
-        if human_serves(floor, motion, robot):
-            close_leg(motion, robot, r.station)
-            r.waited_ticks += r.wait_ticks
-            r.wait_ticks = 0
-            r.state = UNLOADING
-            r.timer = floor.hall[0].unload_ticks
-            tell(motion, UNLOAD_STARTED, robot, r.station, 0)
-        else:
-            r.wait_ticks += 1
+        start_unload(motion, robot)
+        r.timer = floor.hall[0].unload_ticks
     elif r.state == UNLOADING:
-        r.timer -= 1
-        if r.timer == 0:
-            finish_unload(floor, motion, robot)
+        finish_unload(floor, motion, robot)
+    else:
+        arrive(floor, motion, robot)
 
 
 @kernel
-def mouth_covered(floor: Floor, motion: Motion, robot: int) -> bool:
-    """Say whether the human's body covers the mouth of the bay or home that the robot is in or
-    must enter.
-    """
-    r = motion.robots[robot]
+def mouth_covered(
+    trial: Record, cells: Records, goals: npt.NDArray[np.int32], r: Record, stride: int
+) -> bool:
+    """Say whether the human covers the mouth of the bay or home that the robot is in or must enter."""
     cell = r.tail
-    if floor.kinds[cell] == SHARED:
-        if r.goal < floor.hall[0].shelves:
+    if cells[cell].kind == SHARED:
+        cell = goals[r.goal, 0]
+        if cells[cell].kind == SHARED:
             return False
-        cell = floor.goal_cells[r.goal, 0]
     for d in range(4):
-        mouth = cell + neighbour_offset(d, floor.hall[0].stride)
-        if floor.kinds[mouth] == SHARED:
-            return human_gap2(floor, motion, mouth) < ZONE2
+        mouth = cell + neighbour_offset(d, stride)
+        if cells[mouth].kind == SHARED:
+            return bool(human_gap2(trial, cells, mouth) < ZONE2)
     return False
 
 
 @kernel
-def watch_progress(floor: Floor, motion: Motion, robot: int) -> None:
-    """Keep the stall clock: ticks without a new minimum of the shortest remaining path."""
-    if not is_moving(motion, robot):
-        return
-    r = motion.robots[robot]
-    cell = r.tail if r.s < 0.3 else r.head
-    left = floor.fields[r.goal, cell]
+def watch_progress(
+    trial: Record, cells: Records, goals: npt.NDArray[np.int32], r: Record, left: int, stride: int
+) -> None:
+    """Keep the stall clock: ticks without a new minimum of `left`, the shortest remaining path."""
     if left < r.best:
         r.best = left
         r.stall = 0
-    elif mouth_covered(floor, motion, robot):
+    elif mouth_covered(trial, cells, goals, r, stride):
         r.blocked += 1
     else:
         r.stall += 1

@@ -13,9 +13,12 @@ robots whose way the human closes, so that others may push them aside.
 
 from __future__ import annotations
 
+import numpy as np
+import numpy.typing as npt
+
 from study.warehouse.halls import CELL_M
 from study.warehouse.kernels import kernel
-from study.warehouse.planning import follow_plan, human_allows, refresh_plan
+from study.warehouse.planning import Records, human_allows, refresh_plan, replan
 from study.warehouse.routes import SHARED, SOLID, neighbour_offset
 from study.warehouse.state import (
     FORWARD,
@@ -23,8 +26,8 @@ from study.warehouse.state import (
     STANDING,
     TO_SHELF,
     TO_STATION,
-    Floor,
-    Motion,
+    Record,
+    Routes,
 )
 
 WINDOW_M = 0.3
@@ -35,75 +38,80 @@ AGENT, TRIED, COUNT, FIRST = range(4)
 
 
 @kernel
-def is_moving(motion: Motion, robot: int) -> bool:
+def is_moving(r: Record) -> bool:
     """Say whether the robot has a goal to drive to."""
-    state = motion.robots[robot].state
-    return bool(state == TO_SHELF or state == TO_STATION or state == RETURNING)
+    return bool(r.state == TO_SHELF or r.state == TO_STATION or r.state == RETURNING)
 
 
 @kernel
-def may_ask(floor: Floor, motion: Motion, robot: int) -> bool:
+def may_ask(r: Record, fields: npt.NDArray[np.int16]) -> bool:
     """Say whether the robot needs its next cell now."""
-    r = motion.robots[robot]
-    if not is_moving(motion, robot) or r.next >= 0 or floor.fields[r.goal, r.head] == 0:
+    if r.next >= 0 or not is_moving(r):
         return False
-    if r.mode == STANDING:
-        return True
-    left = CELL_M - r.s
-    return bool(r.mode == FORWARD and r.stuck == 0 and LEAST_TURN_M <= left <= WINDOW_M)
+    if r.mode == FORWARD:
+        if r.stuck > 0 or not LEAST_TURN_M <= CELL_M - r.s <= WINDOW_M:
+            return False
+    elif r.mode != STANDING:
+        return False
+    return bool(fields[r.goal, r.head] != 0)
 
 
 @kernel
-def may_enter(floor: Floor, motion: Motion, robot: int, start: int, cell: int) -> bool:
-    """Say whether the robot may ever go from `start` to its neighbour `cell` as things stand."""
-    kind = floor.kinds[cell]
-    if kind == SOLID:
+def may_enter(trial: Record, cells: Records, distance: int, start: int, cell: int) -> bool:
+    """Say whether a robot may go from `start` to its neighbour `cell`, `distance` from its goal.
+
+    A bay or home is entered only by the robot whose goal it is.
+    """
+    kind = cells[cell].kind
+    if kind == SOLID or (kind != SHARED and distance != 0):
         return False
-    r = motion.robots[robot]
-    if kind != SHARED and floor.fields[r.goal, cell] != 0:
-        return False
-    return human_allows(floor, motion, start, cell)
+    return human_allows(trial, cells, start, cell)
 
 
 @kernel
-def list_candidates(floor: Floor, motion: Motion, robot: int, depth: int) -> None:
+def list_candidates(
+    trial: Record,
+    cells: Records,
+    routes: Routes,
+    r: Record,
+    pushed: bool,
+    frame: npt.NDArray[np.int32],
+    stride: int,
+) -> None:
     """Write the cells that the robot would take, best first, to its frame of the stack.
 
     First the planned one, then others nearer to the goal; a robot that is pushed also takes those
     farther from it. A robot that is not pushed stays on its detour rather than leave it.
     """
-    r = motion.robots[robot]
-    frame = motion.stack[depth]
     start = r.head
-    field = floor.fields[r.goal]
+    field = routes.fields[r.goal]
+    plan = routes.plans[r.index]
     count = 0
     planned = -1
-    if r.plan_at + 1 < r.plan_length and motion.plans[robot, r.plan_at] == start:
-        planned = motion.plans[robot, r.plan_at + 1]
-        if planned != r.tail and may_enter(floor, motion, robot, start, planned):
+    if r.plan_at + 1 < r.plan_length and plan[r.plan_at] == start:
+        planned = plan[r.plan_at + 1]
+        if planned != r.tail and may_enter(trial, cells, field[planned], start, planned):
             frame[FIRST] = planned
             count = 1
-    for further in range(2 if depth > 0 else 1):
-        if depth == 0 and r.detour == 1:
-            break
+    rounds = 2 if pushed else 1 - r.detour
+    for further in range(rounds):
         for d in range(4):
-            cell = start + neighbour_offset(d, floor.hall[0].stride)
+            cell = start + neighbour_offset(d, stride)
             if cell == planned or cell == r.tail or (field[cell] > field[start]) != (further == 1):
                 continue
-            if may_enter(floor, motion, robot, start, cell):
+            if may_enter(trial, cells, field[cell], start, cell):
                 frame[FIRST + count] = cell
                 count += 1
-    frame[AGENT] = robot
+    frame[AGENT] = r.index
     frame[TRIED] = 0
     frame[COUNT] = count
-    r.decided = motion.trial[0].tick
+    r.decided = trial.tick
 
 
 @kernel
-def claim(floor: Floor, motion: Motion, robot: int, cell: int) -> None:
+def claim(cells: Records, plans: npt.NDArray[np.int32], r: Record, cell: int) -> None:
     """Give `cell` to the robot: it starts towards it, or will go on there without stopping."""
-    r = motion.robots[robot]
-    motion.holds[cell] = robot
+    cells[cell].holder = r.index
     if r.mode == STANDING:
         r.head = cell
         r.mode = FORWARD
@@ -114,50 +122,67 @@ def claim(floor: Floor, motion: Motion, robot: int, cell: int) -> None:
         r.next = cell
         straight = cell - r.head == r.head - r.tail
         r.turn_m = 0.0 if straight else min(WINDOW_M, CELL_M - r.s)
-    follow_plan(floor, motion, robot, cell)
+    if r.plan_at + 1 < r.plan_length and plans[r.index, r.plan_at + 1] == cell:
+        r.plan_at += 1
+    else:
+        r.replan = 1
 
 
 @kernel
-def ask(floor: Floor, motion: Motion, robot: int) -> None:
+def ask(
+    trial: Record,
+    robots: Records,
+    cells: Records,
+    routes: Routes,
+    stack: npt.NDArray[np.int32],
+    robot: int,
+    stride: int,
+) -> None:
     """Let the robot claim a cell, pushing others of lower right out of its way where it must."""
-    tick = motion.trial[0].tick
     depth = 0
-    list_candidates(floor, motion, robot, 0)
+    list_candidates(trial, cells, routes, robots[robot], False, stack[0], stride)
     while depth >= 0:
-        frame = motion.stack[depth]
+        frame = stack[depth]
         if frame[TRIED] >= frame[COUNT]:
             depth -= 1
             continue
         cell = frame[FIRST + frame[TRIED]]
         frame[TRIED] += 1
-        holder = motion.holds[cell]
+        holder = cells[cell].holder
         if holder < 0:
-            claim(floor, motion, frame[AGENT], cell)
+            claim(cells, routes.plans, robots[frame[AGENT]], cell)
             return
-        other = motion.robots[holder]
+        other = robots[holder]
         if other.mode != STANDING:
             if other.tail == cell and other.mode == FORWARD and other.stuck == 0:
                 return
             continue
-        if other.decided == tick or floor.kinds[cell] != SHARED or not is_moving(motion, holder):
+        if other.decided == trial.tick or cells[cell].kind != SHARED or not is_moving(other):
             continue
-        refresh_plan(floor, motion, holder)
+        refresh_plan(trial, robots, cells, routes, other, stride)
         depth += 1
-        list_candidates(floor, motion, holder, depth)
+        list_candidates(trial, cells, routes, other, True, stack[depth], stride)
 
 
 @kernel
-def settle(floor: Floor, motion: Motion) -> None:
+def settle(
+    trial: Record,
+    robots: Records,
+    cells: Records,
+    routes: Routes,
+    stack: npt.NDArray[np.int32],
+    order: npt.NDArray[np.int64],
+    stride: int,
+) -> None:
     """Let every robot that needs a cell ask for it, in the order of right."""
     count = 0
-    order = motion.order
-    for k in range(motion.robots.size):
-        if not may_ask(floor, motion, k):
+    for k in range(robots.size):
+        r = robots[k]
+        if not may_ask(r, routes.fields):
             continue
-        refresh_plan(floor, motion, k)
-        r = motion.robots[k]
+        refresh_plan(trial, robots, cells, routes, r, stride)
         rank = 1 + r.held_up
-        if floor.kinds[r.tail] != SHARED and r.mode == STANDING:
+        if r.mode == STANDING and cells[r.tail].kind != SHARED:
             rank = 0
         key = (rank << 48) + (r.goal_tick << 16) + k
         n = count
@@ -168,5 +193,5 @@ def settle(floor: Floor, motion: Motion) -> None:
         count += 1
     for n in range(count):
         robot = order[n] & 65535
-        if motion.robots[robot].decided != motion.trial[0].tick:
-            ask(floor, motion, robot)
+        if robots[robot].decided != trial.tick:
+            ask(trial, robots, cells, routes, stack, robot, stride)

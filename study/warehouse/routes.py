@@ -18,6 +18,7 @@ SHARED = 1
 BAY = 2
 HOME = 3
 UNREACHED = 32000
+WALL = UNREACHED - 1
 
 Cells = npt.NDArray[np.int32]
 Kinds = npt.NDArray[np.uint8]
@@ -26,22 +27,20 @@ Field = npt.NDArray[np.int16]
 
 @kernel
 def fill_field(kinds: Kinds, stride: int, goals: Cells, field: Field, queue: Cells) -> None:
-    """Fill `field` with the number of steps to the nearest of `goals`; UNREACHED where none.
+    """Fill `field` with the steps to the nearest of `goals`: UNREACHED where none, WALL in solids.
 
     Every non-solid cell is open. `queue`: scratch of at least as many cells as the lattice has.
     """
     for n in range(field.size):
-        field[n] = UNREACHED
-    fill_marked(kinds, stride, goals, field, queue, -1)
+        field[n] = WALL if kinds[n] == SOLID else UNREACHED
+    fill_marked(stride, goals, field, queue, -1)
 
 
 @kernel
-def fill_marked(
-    kinds: Kinds, stride: int, goals: Cells, field: Field, queue: Cells, enough: int
-) -> None:
+def fill_marked(stride: int, goals: Cells, field: Field, queue: Cells, enough: int) -> None:
     """Fill those cells of `field` that hold UNREACHED with their steps to the nearest goal.
 
-    Stops early once the cell `enough` is reached (-1: fills all).
+    Cells that hold WALL are closed. Stops early once the cell `enough` is reached (-1: fills all).
     """
     tail = 0
     for m in range(goals.size):
@@ -56,7 +55,7 @@ def fill_marked(
         further = field[cell] + 1
         for d in range(4):
             other = cell + neighbour_offset(d, stride)
-            if kinds[other] != SOLID and field[other] == UNREACHED:
+            if field[other] == UNREACHED:
                 field[other] = further
                 queue[tail] = other
                 tail += 1
@@ -83,7 +82,7 @@ def descend(field: Field, stride: int, start: int, heading: int, path: Cells) ->
     Turns as late as it can: `heading` (0..3, or -1) is the direction it comes with. Returns 0 if the
     goal is not reachable; a path longer than `path` is cut off at its far end.
     """
-    if field[start] >= UNREACHED - 1:
+    if field[start] >= WALL:
         return 0
     cell = start
     count = 1

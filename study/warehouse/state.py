@@ -10,7 +10,7 @@ import functools
 import hashlib
 import math
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -68,10 +68,10 @@ ROBOT = np.dtype(
         ("timer", "i4"), ("shelf", "i4"), ("box", "i4"), ("bay", "i4"), ("remaining", "i4"),
         ("delivered", "i4"), ("wait_ticks", "i4"), ("waited_ticks", "i4"), ("done_tick", "i4"),
         ("plan_length", "i4"), ("plan_at", "i4"), ("plan_tick", "i4"), ("decided", "i4"),
-        ("stuck", "i4"), ("best", "i4"), ("stall", "i4"), ("longest_stall", "i4"),
+        ("index", "i4"), ("stuck", "i4"), ("best", "i4"), ("stall", "i4"), ("longest_stall", "i4"),
         ("blocked", "i4"), ("leg_start", "i4"),
         ("heading", "u2"), ("state", "i1"), ("carrying", "i1"), ("station", "i1"), ("mode", "i1"),
-        ("detour", "i1"), ("held_up", "i1"),
+        ("detour", "i1"), ("held_up", "i1"), ("replan", "i1"),
     ],
     align=True,
 )  # fmt: skip
@@ -85,14 +85,21 @@ LEG = np.dtype(
 )  # fmt: skip
 
 
+CELL = np.dtype(
+    [("x", "f8"), ("y", "f8"), ("kind", "i4"), ("holder", "i4")],
+    align=True,
+)  # fmt: skip
+
+Record = Any
+"""One row of a structured array: compiled code reads and writes its fields as attributes."""
+
+
 class Floor(NamedTuple):
     """What never changes in a hall. C padded cells, G goals: shelves, then bays, then homes."""
 
     hall: npt.NDArray[np.void]  # [1] of HALL
-    kinds: npt.NDArray[np.uint8]  # [C]
-    centers: npt.NDArray[np.float64]  # [C, 2] metres
     fields: npt.NDArray[np.int16]  # [G, C] steps to the goal
-    goal_cells: npt.NDArray[np.int32]  # [G, MOST_GOAL_CELLS], -1 filled
+    goals: npt.NDArray[np.int32]  # [G, MOST_GOAL_CELLS] the goal's cells, -1 filled
     solids: npt.NDArray[np.float64]  # [n, 4]
     near_solids: npt.NDArray[np.int16]  # [C, m]
     cosines: npt.NDArray[np.float64]  # [4096]
@@ -104,7 +111,7 @@ class Motion(NamedTuple):
 
     trial: npt.NDArray[np.void]  # [1] of TRIAL
     robots: npt.NDArray[np.void]  # [N] of ROBOT
-    holds: npt.NDArray[np.int16]  # [C] the robot that holds a cell
+    cells: npt.NDArray[np.void]  # [C] of CELL: place, kind, and the robot that holds it
     bays: npt.NDArray[np.int16]  # [S * b] the robot that has a bay reserved
     plans: npt.NDArray[np.int32]  # [N, P] planned cells
     tasks: npt.NDArray[np.int32]  # [boxes_total, 2] (shelf, box)
@@ -116,6 +123,16 @@ class Motion(NamedTuple):
     stack: npt.NDArray[np.int32]  # [N + 1, 8]
     order: npt.NDArray[np.int64]  # [N]
     others: npt.NDArray[np.float64]  # [N, 2]
+
+
+class Routes(NamedTuple):
+    """The part of both that planning needs."""
+
+    fields: npt.NDArray[np.int16]
+    goals: npt.NDArray[np.int32]
+    plans: npt.NDArray[np.int32]
+    field: npt.NDArray[np.int16]
+    queue: npt.NDArray[np.int32]
 
 
 def goal_cells(layout: Layout) -> npt.NDArray[np.int32]:
@@ -159,12 +176,9 @@ def build_floor(layout: Layout) -> Floor:
     }
     for name, value in values.items():
         hall[name] = value
-    cells = layout.kinds.size
-    columns = np.arange(cells) % layout.stride - PAD
-    rows = np.arange(cells) // layout.stride - PAD
     goals = goal_cells(layout)
-    fields = np.empty((len(goals), cells), dtype=np.int16)
-    queue = np.empty(cells, dtype=np.int32)
+    fields = np.empty((len(goals), layout.kinds.size), dtype=np.int16)
+    queue = np.empty(layout.kinds.size, dtype=np.int32)
     for line, field in zip(goals, fields, strict=True):
         fill_field(layout.kinds, layout.stride, line[line >= 0], field, queue)
     middles = [
@@ -173,15 +187,23 @@ def build_floor(layout: Layout) -> Floor:
     ]
     return Floor(
         hall=hall,
-        kinds=layout.kinds.copy(),
-        centers=np.stack([0.3 + CELL_M * columns, 0.9 + CELL_M * rows], axis=1),
         fields=fields,
-        goal_cells=goals,
+        goals=goals,
         solids=layout.solids_m.copy(),
         near_solids=solids_near_cells(layout),
         cosines=trig_table().copy(),
         stations=np.array(middles),
     )
+
+
+def new_cells(layout: Layout) -> npt.NDArray[np.void]:
+    """Return the padded lattice's cells, [C] of CELL, held by nobody."""
+    cells = np.zeros(layout.kinds.size, dtype=CELL)
+    cells["x"] = 0.3 + CELL_M * (np.arange(cells.size) % layout.stride - PAD)
+    cells["y"] = 0.9 + CELL_M * (np.arange(cells.size) // layout.stride - PAD)
+    cells["kind"] = layout.kinds
+    cells["holder"] = -1
+    return cells
 
 
 def new_motion(layout: Layout, seed: int, tasks: TaskSource | None = None) -> Motion:
@@ -192,7 +214,7 @@ def new_motion(layout: Layout, seed: int, tasks: TaskSource | None = None) -> Mo
     motion = Motion(
         trial=np.zeros(1, dtype=TRIAL),
         robots=np.zeros(robots, dtype=ROBOT),
-        holds=np.full(cells, -1, dtype=np.int16),
+        cells=new_cells(layout),
         bays=np.full(spec.stations * spec.bays_per_station, -1, dtype=np.int16),
         plans=np.zeros((robots, min(cells, LONGEST_PLAN)), dtype=np.int32),
         tasks=np.ascontiguousarray(drawn, dtype=np.int32),
@@ -215,17 +237,18 @@ def new_motion(layout: Layout, seed: int, tasks: TaskSource | None = None) -> Mo
     for k, (i, j) in enumerate(layout.homes.tolist()):
         cell = layout.cell_index(i, j)
         fleet["tail"][k] = fleet["head"][k] = cell
+        fleet["index"][k] = k
         fleet["x"][k], fleet["y"][k] = layout.cell_center_m(i, j)
-        motion.holds[cell] = k
+        motion.cells["holder"][cell] = k
     return motion
 
 
 def hash_state(motion: Motion) -> bytes:
     """Return 8 bytes that stand for every bit of the state (blake2b)."""
     digest = hashlib.blake2b(digest_size=8)
-    for array in (motion.trial, motion.robots, motion.holds, motion.bays, motion.tasks):
+    for array in (motion.trial, motion.robots, motion.bays, motion.tasks, motion.draws):
         digest.update(array.tobytes())
-    digest.update(motion.draws.tobytes())
+    digest.update(motion.cells["holder"].tobytes())
     digest.update(motion.legs[: int(motion.trial["legs"][0])].tobytes())
     for length, plan in zip(motion.robots["plan_length"].tolist(), motion.plans, strict=True):
         digest.update(plan[:length].tobytes())
