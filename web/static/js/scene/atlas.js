@@ -96,9 +96,10 @@ function drawPill(pen, robot) {
 /** An arrow head that points right. @param {Pen} pen @param {number} robot */
 function drawArrow(pen, robot) {
   pen.beginPath();
-  pen.moveTo(110, 64);
-  pen.lineTo(50, 106);
-  pen.quadraticCurveTo(64, 64, 50, 22);
+  pen.moveTo(112, 64);
+  pen.lineTo(30, 99);
+  pen.lineTo(50, 64);
+  pen.lineTo(30, 29);
   pen.closePath();
   pen.lineJoin = "round";
   pen.strokeStyle = "rgba(10, 14, 20, 0.55)";

@@ -14,7 +14,7 @@ const NEAR_M = 12;
 const GROWTH_PER_M = 0.045;
 const GROWTH_MAX = 2.2;
 /** A solid avatar shows only where something stands at least this far before it: never through its own robot. */
-const CLEARANCE_M = 0.42;
+const CLEARANCE_M = 0.6;
 
 const VERTEX = `
 attribute vec3 team;

@@ -98,7 +98,7 @@ export class Callouts {
       const spot = edgeSpot(spread[n] ?? 0, frame);
       if (keepOut) stepAside(spot, keepOut, displaced);
       const [dx, dy] = [Math.cos(spot.angle), Math.sin(spot.angle)];
-      this.sprites.add(arrowCell(robot), spot.x + dx * 24, spot.y + dy * 24, ARROW_PX * 0.9, ARROW_PX * 0.9, { turn: spot.angle });
+      this.sprites.add(arrowCell(robot), spot.x + dx * 27, spot.y + dy * 27, ARROW_PX, ARROW_PX, { turn: spot.angle });
       this.sprites.add(pillCell(robot), spot.x, spot.y, ARROW_PX, ARROW_PX, {});
     });
   }

@@ -33,13 +33,13 @@ export function roundPath(corners, radius_m = TURN_RADIUS_M) {
   return path;
 }
 
-/** @param {(x: number, y: number) => void} add @param {readonly [number, number]} a @param {readonly [number, number]} b @param {readonly [number, number]} c @param {number} radius_m */
-function addArc(add, a, b, c, radius_m) {
+/** @param {(x: number, y: number) => void} add @param {readonly [number, number]} a @param {readonly [number, number]} b @param {readonly [number, number]} next @param {number} radius_m */
+function addArc(add, a, b, next, radius_m) {
   const inLength = Math.hypot(b[0] - a[0], b[1] - a[1]);
-  const outLength = Math.hypot(c[0] - b[0], c[1] - b[1]);
+  const outLength = Math.hypot(next[0] - b[0], next[1] - b[1]);
   if (inLength < 1e-6 || outLength < 1e-6) return;
   const u = [(b[0] - a[0]) / inLength, (b[1] - a[1]) / inLength];
-  const v = [(c[0] - b[0]) / outLength, (c[1] - b[1]) / outLength];
+  const v = [(next[0] - b[0]) / outLength, (next[1] - b[1]) / outLength];
   const [ux = 0, uy = 0, vx = 0, vy = 0] = [...u, ...v];
   const turn = Math.atan2(ux * vy - uy * vx, ux * vx + uy * vy);
   const back = Math.min(radius_m * Math.tan(Math.min(Math.abs(turn), 2.6) / 2), inLength / 2.02, outLength / 2.02);
@@ -47,12 +47,12 @@ function addArc(add, a, b, c, radius_m) {
     add(b[0], b[1]);
     return;
   }
-  const from = [b[0] - ux * back, b[1] - uy * back];
-  const to = [b[0] + vx * back, b[1] + vy * back];
+  const radius = (back / Math.tan(Math.abs(turn) / 2)) * Math.sign(turn);
+  const middle = [b[0] - ux * back - uy * radius, b[1] - uy * back + ux * radius];
   for (let n = 0; n <= TURN_STEPS; n += 1) {
-    const t = n / TURN_STEPS;
-    const [p, q, r] = [(1 - t) * (1 - t), 2 * t * (1 - t), t * t];
-    add(p * (from[0] ?? 0) + q * b[0] + r * (to[0] ?? 0), p * (from[1] ?? 0) + q * b[1] + r * (to[1] ?? 0));
+    const angle = (turn * n) / TURN_STEPS;
+    const [c, s] = [Math.cos(angle), Math.sin(angle)];
+    add((middle[0] ?? 0) + radius * (uy * c + ux * s), (middle[1] ?? 0) + radius * (uy * s - ux * c));
   }
 }
 

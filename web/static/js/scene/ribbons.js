@@ -14,13 +14,15 @@ const VERTICES_MAX = 24000;
 const BEAD_LINE_M = 0.065;
 /** A ribbon stops short of the robot that drives it. */
 const CLEARANCE_M = 0.2;
+/** The faint part shows only behind things at least this far before it, so not across a robot that drives on it. */
+const HIDDEN_BY_M = 0.5;
 
 const VERTEX = `
 attribute vec2 side;
 attribute vec3 team;
 attribute vec4 band;
 uniform vec2 viewport;
-uniform float leastHalf_px;
+uniform float leastHalf_px, ahead;
 varying vec3 vTeam;
 varying vec4 vBand;
 void main() {
@@ -33,7 +35,12 @@ void main() {
   }
   vTeam = team;
   vBand = band;
-  gl_Position = projectionMatrix * viewMatrix * vec4(position + stretch * vec3(side.x, 0.0, -side.y), 1.0);
+  vec4 eye = viewMatrix * vec4(position + stretch * vec3(side.x, 0.0, -side.y), 1.0);
+  gl_Position = projectionMatrix * eye;
+  if (ahead > 0.0) {
+    vec4 nearer = projectionMatrix * vec4(eye.xyz * (1.0 - ahead / max(length(eye.xyz), ahead + 0.2)), 1.0);
+    gl_Position.z = nearer.z / nearer.w * gl_Position.w;
+  }
 }`;
 
 const FRAGMENT = `
@@ -69,6 +76,7 @@ function makeMaterial(strength, hidden) {
       strength: { value: strength },
       viewport: { value: new Vector2(1, 1) },
       leastHalf_px: { value: 1.5 },
+      ahead: { value: hidden ? HIDDEN_BY_M : 0 },
     },
   });
   if (hidden) material.depthFunc = GreaterDepth;
