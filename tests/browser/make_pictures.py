@@ -171,7 +171,7 @@ def take(browser: Browser, folder: Path, url: str, shot: Shot, target: Path) -> 
 
 def bench(browser: Browser, folder: Path, url: str) -> dict[str, Any]:
     """Measure JavaScript per frame and draw calls at `large` scale with everything shown."""
-    shot = Shot("large", "everything", 24.0, 26.0, 0.1)
+    shot = Shot("large", "everything", 19.0, 31.2, 0.1)
     page = open_world(browser, folder, url, shot)
     counts = page.evaluate("shot => window.picture.draw(shot)", view_of(shot))
     runs = [

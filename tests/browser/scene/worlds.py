@@ -5,8 +5,10 @@ Nothing moves here: the scene is shown at one moment, with the messages that a s
 
 from __future__ import annotations
 
+import functools
 import math
 import random
+from collections import deque
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -50,9 +52,24 @@ def describe_hall(layout: Layout) -> dict[str, Any]:
     }
 
 
+@functools.cache
+def spread_distances(layout: Layout, goal: Cell) -> dict[Cell, int]:
+    """Return the steps to a goal over the shared grid, by cell."""
+    distances = {goal: 0}
+    wave = deque([goal])
+    while wave:
+        i, j = wave.popleft()
+        for a, b in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)):
+            inside = 0 <= a < layout.width_cells and 0 <= b < layout.height_cells
+            if inside and layout.free[b, a] and (a, b) not in distances:
+                distances[a, b] = distances[i, j] + 1
+                wave.append((a, b))
+    return distances
+
+
 def walk_path(layout: Layout, start: Cell, mouth: Cell, rng: random.Random) -> list[Cell]:
     """Return the cells of a shortest path, going straight on where that is as short."""
-    field = layout.distance_field(mouth)
+    field = spread_distances(layout, mouth)
     path = [start]
     step = rng.choice([(1, 0), (0, 1), (-1, 0), (0, -1)])
     while path[-1] != mouth:
@@ -60,8 +77,7 @@ def walk_path(layout: Layout, start: Cell, mouth: Cell, rng: random.Random) -> l
         steps = [step, (1, 0), (-1, 0), (0, 1), (0, -1)]
         for di, dj in steps:
             a, b = i + di, j + dj
-            inside = 0 <= a < layout.width_cells and 0 <= b < layout.height_cells
-            if inside and 0 <= field[b, a] < field[j, i]:
+            if field.get((a, b), len(field)) < field[i, j]:
                 step = (di, dj)
                 path.append((a, b))
                 break

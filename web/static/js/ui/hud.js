@@ -36,7 +36,8 @@ export class Hud {
     this.root.hidden = true;
     this.help = build(document, "button", { class: "help-button", type: "button", "aria-label": "Help (H)", title: "Help (H)" }, "?");
     this.help.addEventListener("click", askHelp);
-    parent.append(this.root, this.help);
+    this.heading = build(document, "h1", { class: "visually-hidden" }, "The warehouse");
+    parent.append(this.heading, this.root, this.help);
     this.shownSecond = -1;
     this.shownQuality = "good";
   }
@@ -44,6 +45,7 @@ export class Hud {
   /** @param {string} label @param {number} total boxes of the trial */
   begin(label, total) {
     this.label.textContent = label;
+    this.heading.textContent = `${label}: the warehouse`;
     this.total = total;
     this.root.hidden = false;
   }
