@@ -24,6 +24,10 @@ from server.settings import Settings
 from server.store.engine import Database
 from server.store.schema import migrate
 from study.config import Study, paper_study
+from study.warehouse.kernels import use_kernel_cache
+
+# Compiled code is kept between runs and shared by the whole suite.
+use_kernel_cache(Path(__file__).parent.parent / "var" / "kernels")
 
 
 @pytest.fixture

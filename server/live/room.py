@@ -91,6 +91,11 @@ class Room:
         self._inbox.clear()
         self._stop_running()
 
+    @property
+    def is_joined(self) -> bool:
+        """Whether a participant's socket is there."""
+        return self._participant is not None
+
     def watch(self, sink: Sink) -> None:
         """A read-only listener: sees what the participant's client is sent."""
         self._audience.add(sink, self._inbox.acknowledged_seq)

@@ -20,6 +20,7 @@ TICK_HZ = 30
 SNAPSHOT_HZ = 15
 COUNTDOWN_S = 3
 MAX_CLIENT_BYTES = 256
+NOT_FINITE = (math.inf, -math.inf)
 MAX_INPUT_FRAMES = 8
 ALL_KEYS = 15
 SILENT_AFTER_S = 0.25
@@ -129,12 +130,12 @@ def parse_text(text: str) -> TextMessage:
 
 
 def _read(name: str, record: Mapping[str, Any], field: str, type_: type) -> Any:
-    value: Any = record.get(field)
+    value = record.get(field)
     if type_ is float and type(value) is int and abs(value) < 2**53:
-        value = float(value)
-    if type(value) is not type_ or (type_ is float and not math.isfinite(value)):
-        raise WireError(f"{name}.{field} as {type_.__name__}", _brief(value))
-    return value
+        return float(value)
+    if type(value) is type_ and value not in NOT_FINITE and value == value:
+        return value
+    raise WireError(f"{name}.{field} as {type_.__name__}", _brief(value))
 
 
 def _brief(value: object) -> str:

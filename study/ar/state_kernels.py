@@ -44,7 +44,7 @@ def path_length_m(field: Field, x_m: float, y_m: float) -> float:
     steps = int(field[inside_j, inside_i])
     if steps < 0:
         return FAR_AWAY_M
-    return CELL_M * (steps + abs(i - inside_i) + abs(j - inside_j))
+    return float(CELL_M * (steps + abs(i - inside_i) + abs(j - inside_j)))
 
 
 @kernel
