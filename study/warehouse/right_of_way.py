@@ -74,16 +74,18 @@ def list_candidates(
     cells: Records,
     routes: Routes,
     r: Record,
-    pushed: bool,
+    pusher: int,
     frame: npt.NDArray[np.int32],
     stride: int,
 ) -> None:
     """Write the cells that the robot would take, best first, to its frame of the stack.
 
-    First the planned one, then others nearer to the goal; a robot that is pushed also takes those
-    farther from it. A robot that is not pushed stays on its detour rather than leave it.
+    First the planned one, then others nearer to the goal; a robot that is pushed from the cell
+    `pusher` (-1: it is not) also takes those farther from it, to the side before straight away: else
+    it would be driven along before the other. A robot that is not pushed stays on its detour.
     """
     start = r.head
+    away = start + start - pusher
     field = routes.fields[r.goal]
     plan = routes.plans[r.index]
     count = 0
@@ -93,11 +95,12 @@ def list_candidates(
         if planned != r.tail and may_enter(trial, cells, field[planned], start, planned):
             frame[FIRST] = planned
             count = 1
-    rounds = 2 if pushed else 1 - r.detour
-    for further in range(rounds):
+    rounds = 3 if pusher >= 0 else 1 - r.detour
+    for n in range(rounds):
         for d in range(4):
             cell = start + neighbour_offset(d, stride)
-            if cell == planned or cell == r.tail or (field[cell] > field[start]) != (further == 1):
+            rank = 0 if field[cell] < field[start] else (2 if cell == away else 1)
+            if cell == planned or cell == r.tail or rank != n:
                 continue
             if may_enter(trial, cells, field[cell], start, cell):
                 frame[FIRST + count] = cell
@@ -140,7 +143,7 @@ def ask(
 ) -> None:
     """Let the robot claim a cell, pushing others of lower right out of its way where it must."""
     depth = 0
-    list_candidates(trial, cells, routes, robots[robot], False, stack[0], stride)
+    list_candidates(trial, cells, routes, robots[robot], -1, stack[0], stride)
     while depth >= 0:
         frame = stack[depth]
         if frame[TRIED] >= frame[COUNT]:
@@ -160,8 +163,9 @@ def ask(
         if other.decided == trial.tick or cells[cell].kind != SHARED or not is_moving(other):
             continue
         refresh_plan(trial, robots, cells, routes, other, stride)
+        pusher = robots[frame[AGENT]].head
         depth += 1
-        list_candidates(trial, cells, routes, other, True, stack[depth], stride)
+        list_candidates(trial, cells, routes, other, pusher, stack[depth], stride)
 
 
 @kernel
