@@ -118,7 +118,7 @@ class _Answer:
             headers = MutableHeaders(scope=message)
             for name, value in HEADERS.items():
                 headers[name] = value
-            if not self._static:
+            if not self._static or message["status"] >= 400:
                 headers["Cache-Control"] = "no-store"
         await self._send(message)
 

@@ -31,7 +31,7 @@ class Settings(BaseSettings):
     port: Annotated[int, Field(ge=0, le=65535)] = 8000
     var_dir: Path = Path("var")
     database_url: str = ""
-    secret_key: SecretStr | None = None
+    secret_key: Annotated[SecretStr, Field(min_length=32)] | None = None
     admin_password: SecretStr | None = None
     metrics_token: SecretStr | None = None
     allowed_origins: tuple[str, ...] = ()

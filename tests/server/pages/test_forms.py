@@ -11,9 +11,9 @@ CASES = [
     ("consent", {"adult": "yes", "informed": "yes"}, ["agreed"], ['name="adult"']),
     (
         "demographics",
-        {"age": "17", "gender": "woman", "games_3d": "sometimes"},
+        {"age": "17", "gender": "man", "games_3d": "sometimes"},
         ["age", "games_3d", "colour_vision"],
-        ['value="17"', 'value="woman" checked'],
+        ['value="17"', 'value="man" checked'],
     ),
     (
         "questionnaire-1",
