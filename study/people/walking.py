@@ -1,8 +1,8 @@
 """How a simulated human walks: along a distance field, with real input frames.
 
-It heads for the farthest cell ahead on its way to which the floor is clear, and when it gets nowhere
-for half a second it looks for a way round the robots. Only keys and yaw come out of it: the world
-moves a simulated human by the same rule as a real one.
+It heads for the farthest cell ahead on its way to which the floor is clear, and when it gets
+nowhere for half a second it looks for a way round the robots. Only keys and yaw come out of it: the
+world moves a simulated human by the same rule as a real one.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""The warehouse: halls, tasks, robots in motion, the human, and the compiled step that moves them."""
+"""The warehouse: halls, tasks, robots in motion, the human, and the compiled step of it all."""

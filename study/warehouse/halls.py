@@ -1,9 +1,9 @@
 """The parameters of a hall and its world, and the five presets.
 
-Fixed by the paper: three scales by their shelf counts and robots (18 shelves; 12 robots and 36 boxes
-in the study; 225 shelves and 15 robots; 3 robots at 0.5 m/s in a 2500 square feet lab), the 1.0 m
-unload radius, and a one-robot practice hall. Read off the authors' public simulator: shelf pitches,
-corner stations, 1.0 m/s robots. Our choice: everything else here, as named settings.
+Fixed by the paper: three scales by their shelf counts and robots (18 shelves; 12 robots and 36
+boxes in the study; 225 shelves and 15 robots; 3 robots at 0.5 m/s in a 2500 square feet lab), the
+1.0 m unload radius, and a one-robot practice hall. Read off the authors' public simulator: shelf
+pitches, corner stations, 1.0 m/s robots. Our choice: everything else here, as named settings.
 """
 
 from __future__ import annotations
@@ -55,8 +55,8 @@ _AMOUNTS = {
 class HallSpec:
     """Everything that defines a hall and its world; checked when made.
 
-    Lengths in cells of 0.6 m where the name says `cells`. `x0_cells`, `y0_cells`: lower left cell of
-    the first shelf. Errors: LayoutError naming the parameter.
+    Lengths in cells of 0.6 m where the name says `cells`. `x0_cells`, `y0_cells`: lower left cell
+    of the first shelf. Errors: LayoutError naming the parameter.
     """
 
     name: str
@@ -95,7 +95,7 @@ class HallSpec:
         if self.robots * self.boxes_per_robot > stock:
             raise refuse(
                 "boxes_per_robot",
-                f"{self.robots} robots x {self.boxes_per_robot} boxes exceed the {stock} boxes stored",
+                f"{self.robots} robots x {self.boxes_per_robot} boxes exceed the {stock} stored",
                 f"at most {stock // self.robots}",
             )
 

@@ -2,9 +2,9 @@
 
 A compiled function is cached on disk under its own source file only: a change in a function that it
 calls, in another file, would go unseen and the old machine code would go on answering. So all code
-lives in one folder named by a hash of *all* kernel sources and of the compiler's versions, chosen by
-`use_kernel_cache`. Nothing here touches a file before that call: without it, functions are compiled
-anew in each process.
+lives in one folder named by a hash of *all* kernel sources and of the compiler's versions, chosen
+by `use_kernel_cache`. Nothing here touches a file before that call: without it, functions are
+compiled anew in each process.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ import numba
 F = TypeVar("F", bound=Callable[..., Any])
 
 KERNEL_PACKAGES = ("warehouse", "ar", "people")
-"""The packages of `study` in which compiled functions may live: all their sources enter the hash."""
+"""The packages of `study` in which compiled functions may live: all their sources enter the hash.
+"""
 
 _kernels: list[Any] = []
 _folder: list[Path] = []
@@ -32,7 +33,7 @@ def kernel(function: F) -> F:
     if len(package) < 3 or package[1] not in KERNEL_PACKAGES:
         raise RuntimeError(
             f"{function.__module__}.{function.__qualname__} is compiled outside of "
-            f"study.{{{','.join(KERNEL_PACKAGES)}}}: its source would be missing from the cache's hash."
+            f"the packages {KERNEL_PACKAGES} of study: the cache's hash would miss its source."
         )
     dispatcher = numba.njit(function, error_model="numpy")
     _kernels.append(dispatcher)
@@ -66,7 +67,7 @@ def use_kernel_cache(folder: Path) -> Path:
     place.mkdir(parents=True, exist_ok=True)
     probe = place / ".writable"
     probe.touch()
-    numba.config.CACHE_DIR = str(place)
+    numba.config.CACHE_DIR = str(place)  # type: ignore[attr-defined]
     _folder[:] = [place]
     for dispatcher in _kernels:
         dispatcher.enable_caching()

@@ -12,8 +12,8 @@ One input frame is 1/30 s of motion: which of the keys W A S D are held, and the
    the human stands.
 
 So the human slides along walls and around robots, never overlaps a body and pushes none. Only
-+ - * / and sqrt are used, which IEEE 754 fixes to the last bit; no library function enters the state.
-Our choice: the whole rule (the authors' simulator leaves it to its physics engine).
++ - * / and sqrt are used, which IEEE 754 fixes to the last bit; no library function enters the
+state. Our choice: the whole rule (the authors' simulator leaves it to its physics engine).
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def is_free(
 def push_out(
     px: float, py: float, solids: Floats, near: npt.NDArray[np.int16], others: Floats
 ) -> tuple[float, float, bool, bool]:
-    """Push the place (px, py) out of all bodies: new place, whether a robot touched, whether stuck."""
+    """Push the place (px, py) out of all bodies: new place, whether a robot touched, if stuck."""
     contact = False
     inside = False
     for _ in range(PASSES):

@@ -2,8 +2,8 @@
 
 Metres, origin in the hall's lower left corner, x right, y up. The centre of cell (i, j) is
 (0.3 + 0.6 i, 0.9 + 0.6 j). The shared grid has W x H cells; below it (j = -1) and above it (j = H)
-lie the stations' bays, right of it (i = W) the robots' homes: dead ends of one robot each, closed to
-the human. Fixed by the paper: shelf counts and robots of the presets. Read off the authors'
+lie the stations' bays, right of it (i = W) the robots' homes: dead ends of one robot each, closed
+to the human. Fixed by the paper: shelf counts and robots of the presets. Read off the authors'
 simulator: pitches (snapped to the lattice), stations in the corners. Our choice: the rest.
 """
 
@@ -33,7 +33,7 @@ from study.warehouse.routes import (
     PAD,
     SHARED,
     SOLID,
-    UNREACHED,
+    WALL,
     fill_field,
     find_cut_cells,
 )
@@ -60,9 +60,9 @@ class Station:
 class Layout:
     """A hall that was checked: every robot can reach every shelf, bay and home by two ways.
 
-    Arrays are read-only. `free`: bool[H, W] indexed [j, i]; `shelf_cells`: int[n, 2] lower left cell
-    of shelf n = row * columns + column; `shelves_m`, `solids_m`: float64[n, 4] (x0, y0, x1, y1);
-    `homes`: int[N, 2]; `kinds`: uint8 over the padded lattice. Make one with `build_layout`.
+    Arrays are read-only. `free`: bool[H, W] indexed [j, i]; `shelf_cells`: int[n, 2] lower left
+    cell of shelf n = row * columns + column; `shelves_m`, `solids_m`: float64[n, 4] (x0, y0, x1,
+    y1); `homes`: int[N, 2]; `kinds`: uint8 over the padded lattice. Make one with `build_layout`.
     """
 
     def __init__(self, spec: HallSpec) -> None:
@@ -137,7 +137,7 @@ def _place_shelves(spec: HallSpec) -> npt.NDArray[np.int64]:
     if right + 2 > spec.width_cells:
         raise refuse(
             "width_cells",
-            f"the shelves end at column {right} of {spec.width_cells}, without an aisle beside them",
+            f"the shelves end at column {right} of {spec.width_cells}, with no aisle beside them",
             f"at least {right + 2}, fewer shelf_columns or a smaller x0_cells",
         )
     if top + 2 > spec.height_cells:

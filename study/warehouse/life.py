@@ -11,7 +11,6 @@ import numpy.typing as npt
 
 from study.warehouse.kernels import kernel
 from study.warehouse.planning import ZONE2, Records, human_gap2
-from study.warehouse.right_of_way import is_moving
 from study.warehouse.routes import SHARED, neighbour_offset
 from study.warehouse.state import (
     HOME_STATE,
@@ -223,7 +222,7 @@ def change_state(floor: Floor, motion: Motion, robot: int) -> None:
 def mouth_covered(
     trial: Record, cells: Records, goals: npt.NDArray[np.int32], r: Record, stride: int
 ) -> bool:
-    """Say whether the human covers the mouth of the bay or home that the robot is in or must enter."""
+    """Say whether the human covers the mouth of the bay or home it is in or must enter."""
     cell = r.tail
     if cells[cell].kind == SHARED:
         cell = goals[r.goal, 0]

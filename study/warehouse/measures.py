@@ -7,10 +7,12 @@ time the team's; all three are always recorded.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from study.warehouse.halls import TICK_HZ
-from study.warehouse.layout import Layout
-from study.warehouse.state import HOME_STATE, STATUSES, Motion, RobotState
+from study.warehouse.state import HOME_STATE, LEG, STATUSES, Motion, RobotState
 
 
 @dataclass(frozen=True)
@@ -91,30 +93,47 @@ def measure_robots(motion: Motion) -> tuple[RobotMeasures, ...]:
     )
 
 
-def measure_legs(layout: Layout, motion: Motion) -> tuple[Leg, ...]:
+def measure_legs(motion: Motion) -> tuple[Leg, ...]:
     """Return every leg so far; the ones still going on end now."""
     now = int(motion.trial["tick"][0])
-    rows = [
-        (*(int(leg[name]) for name in ("robot", "start", "end", "state", "shelf", "box", "station")),
-         float(leg["path_m"]), True)
-        for leg in motion.legs[: int(motion.trial["legs"][0])]
-    ]  # fmt: skip
-    for k, r in enumerate(motion.robots):
-        if r["state"] != HOME_STATE and now > 0:
-            place = (int(r["shelf"]), int(r["box"]), int(r["station"]))
-            driven_m = float(r["path_m"] - r["leg_path_m"])
-            rows.append((k, int(r["leg_start"]), now, int(r["state"]), *place, driven_m, False))
-    rows.sort()
+    rows = [(leg, True) for leg in motion.legs[: int(motion.trial["legs"][0])]]
+    rows += [(leg, False) for leg in _open_legs(motion, now)]
+    rows.sort(key=lambda row: (int(row[0]["robot"]), int(row[0]["start"]), int(row[0]["end"])))
     legs: list[Leg] = []
-    for robot, start, end, state, shelf, box, station, path_m, ended in rows:
-        number = legs[-1].leg + 1 if legs and legs[-1].robot == robot else 0
-        name = RobotState(state).name.lower()
-        span = (seconds(start), seconds(end), round(path_m, 6))
-        legs.append(Leg(robot, number, name, *span, shelf, box, station, ended))
+    for leg, ended in rows:
+        robot = int(leg["robot"])
+        legs.append(
+            Leg(
+                robot=robot,
+                leg=legs[-1].leg + 1 if legs and legs[-1].robot == robot else 0,
+                state=RobotState(int(leg["state"])).name.lower(),
+                start_s=seconds(int(leg["start"])),
+                end_s=seconds(int(leg["end"])),
+                path_m=round(float(leg["path_m"]), 6),
+                shelf=int(leg["shelf"]),
+                box=int(leg["box"]),
+                station=int(leg["station"]),
+                ended=ended,
+            )
+        )
     return tuple(legs)
 
 
-def measure_trial(layout: Layout, motion: Motion) -> TrialMeasures:
+def _open_legs(motion: Motion, now: int) -> list[Any]:
+    rows = []
+    for k, r in enumerate(motion.robots):
+        if now == 0 or r["state"] == HOME_STATE:
+            continue
+        leg = np.zeros(1, dtype=LEG)
+        for name in ("state", "shelf", "box", "station"):
+            leg[name] = r[name]
+        leg["robot"], leg["start"], leg["end"] = k, r["leg_start"], now
+        leg["path_m"] = r["path_m"] - r["leg_path_m"]
+        rows.append(leg[0])
+    return rows
+
+
+def measure_trial(motion: Motion) -> TrialMeasures:
     """Return the trial's measures as they stand."""
     trial = motion.trial[0]
     robots = measure_robots(motion)
@@ -132,5 +151,5 @@ def measure_trial(layout: Layout, motion: Motion) -> TrialMeasures:
         longest_stall_s=max(r.longest_stall_s for r in robots),
         overlaps=int(trial["overlaps"]),
         robots=robots,
-        legs=measure_legs(layout, motion),
+        legs=measure_legs(motion),
     )

@@ -7,8 +7,8 @@ one must make room first and inherits the right to push others (PIBT; Okumura et
 form for robots that take their time). The method's promise needs a biconnected graph, so dead ends
 are private: a bay may be entered by the robot that reserved it, a home by its owner.
 
-Order of right: a robot leaving its bay or home, then whoever pursues its goal for longest; last come
-robots whose way the human closes, so that others may push them aside.
+Order of right: a robot leaving its bay or home, then whoever pursues its goal for longest; last
+come robots whose way the human closes, so that others may push them aside.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from study.warehouse.halls import CELL_M
 from study.warehouse.kernels import kernel
-from study.warehouse.planning import Records, human_allows, refresh_plan, replan
+from study.warehouse.planning import Records, human_allows, refresh_plan
 from study.warehouse.routes import SHARED, SOLID, neighbour_offset
 from study.warehouse.state import (
     FORWARD,
@@ -81,8 +81,8 @@ def list_candidates(
     """Write the cells that the robot would take, best first, to its frame of the stack.
 
     First the planned one, then others nearer to the goal; a robot that is pushed from the cell
-    `pusher` (-1: it is not) also takes those farther from it, to the side before straight away: else
-    it would be driven along before the other. A robot that is not pushed stays on its detour.
+    `pusher` (-1: it is not) also takes those farther from it, to the side before straight away:
+    else it would be driven along before the other. A robot that is not pushed stays on its detour.
     """
     start = r.head
     away = start + start - pusher

@@ -79,8 +79,8 @@ def neighbour_offset(direction: int, stride: int) -> int:
 def descend(field: Field, stride: int, start: int, heading: int, path: Cells) -> int:
     """Write the cells from `start` down to the goal into `path`; return how many.
 
-    Turns as late as it can: `heading` (0..3, or -1) is the direction it comes with. Returns 0 if the
-    goal is not reachable; a path longer than `path` is cut off at its far end.
+    Turns as late as it can: `heading` (0..3, or -1) is the direction it comes with. Returns 0 if
+    the goal is not reachable; a path longer than `path` is cut off at its far end.
     """
     if field[start] >= WALL:
         return 0

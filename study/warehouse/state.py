@@ -1,7 +1,8 @@
 """The arrays that a compiled step reads and writes: the fixed floor, and a trial's whole state.
 
 Every number that can change during a trial is in `Motion`'s state part, and `hash_state` covers
-all of it. Cells are padded lattice indices (see `routes`), times are ticks of 1/30 s, -1 means none.
+all of it. Cells are padded lattice indices (see `routes`), times are ticks of 1/30 s, -1 means
+none.
 """
 
 from __future__ import annotations
@@ -207,7 +208,7 @@ def new_cells(layout: Layout) -> npt.NDArray[np.void]:
 
 
 def new_motion(layout: Layout, seed: int, tasks: TaskSource | None = None) -> Motion:
-    """Return the state before the first tick: robots at home facing left, the human at its start."""
+    """Return the state before the first tick: robots at home, the human at its start."""
     spec, cells, robots = layout.spec, layout.kinds.size, layout.spec.robots
     drawn = (tasks or PooledTasks()).draw_tasks(layout, seed)
     stream = Draws(seed ^ 0x5DEECE66D)

@@ -1,9 +1,9 @@
 """Which box a robot fetches next, and to which station it carries it.
 
 The pool holds 12 boxes per shelf; box n of a shelf has colour n mod 4. A seeded generator draws a
-robot's next task (paper: the pool and the seeded draw; the authors' simulator: 12 boxes, colours and
-the pair of stations). Our choice: of a colour's two stations the one with fewer robots bound for it
-is taken, ties by a seeded draw, and a bay is reserved with it, so that no robot ever queues.
+robot's next task (paper: the pool and the seeded draw; the authors' simulator: 12 boxes, colours
+and the pair of stations). Our choice: of a colour's two stations the one with fewer robots bound
+for it is taken, ties by a seeded draw, and a bay is reserved with it, so that no robot ever queues.
 """
 
 from __future__ import annotations
@@ -65,16 +65,26 @@ class PooledTasks:
 
 
 def examine_tasks(source: TaskSource, layout: Layout, seed: int) -> None:
-    """Run the contract's examination. Errors: AssertionError saying which promise was broken."""
+    """Run the contract's examination. Errors: BrokenPromise saying which promise was broken."""
     tasks = source.draw_tasks(layout, seed)
     shape = (layout.spec.boxes_total, 2)
-    assert tasks.shape == shape, f"tasks have shape {tasks.shape}, wanted {shape}"
-    assert tasks.dtype == np.int32, f"tasks are {tasks.dtype}, wanted int32"
-    assert len({tuple(row) for row in tasks.tolist()}) == len(tasks), "a box is handed out twice"
-    assert ((tasks[:, 0] >= 0) & (tasks[:, 0] < len(layout.shelf_cells))).all(), "no such shelf"
-    assert ((tasks[:, 1] >= 0) & (tasks[:, 1] < BOXES_PER_SHELF)).all(), "no such box"
+    _promise(tasks.shape == shape, f"tasks have shape {tasks.shape}, wanted {shape}")
+    _promise(tasks.dtype == np.int32, f"tasks are {tasks.dtype}, wanted int32")
+    _promise(len({tuple(row) for row in tasks.tolist()}) == len(tasks), "a box comes twice")
+    shelves, boxes = tasks[:, 0], tasks[:, 1]
+    _promise(bool(((shelves >= 0) & (shelves < len(layout.shelf_cells))).all()), "no such shelf")
+    _promise(bool(((boxes >= 0) & (boxes < BOXES_PER_SHELF)).all()), "no such box")
     again = source.draw_tasks(layout, seed)
-    assert (again == tasks).all(), "the same seed drew other tasks"
+    _promise(bool((again == tasks).all()), "the same seed drew other tasks")
+
+
+class BrokenPromise(AssertionError):
+    """A task source does not keep its contract."""
+
+
+def _promise(kept: bool, sentence: str) -> None:
+    if not kept:
+        raise BrokenPromise(sentence)
 
 
 @kernel
@@ -90,7 +100,7 @@ def next_draw(stream: npt.NDArray[np.uint64]) -> int:
     z = stream[0]
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    return np.int64((z ^ (z >> np.uint64(31))) >> np.uint64(1))
+    return int((z ^ (z >> np.uint64(31))) >> np.uint64(1))
 
 
 @kernel

@@ -50,7 +50,7 @@ EVENT_DATA: Mapping[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class InputFrame:
-    """1/30 s of the human's motion: held keys (bits W 1, A 2, S 4, D 8) and the view's yaw (u16)."""
+    """1/30 s of the human: held keys (bits W 1, A 2, S 4, D 8) and the view's yaw (u16)."""
 
     keys: int
     yaw: int
@@ -92,8 +92,8 @@ class World:
     def step(self, frames: Sequence[tuple[int, int]]) -> list[WorldEvent]:
         """Advance by one tick (1/30 s) with 0 to 3 frames (keys, yaw) of the human's motion.
 
-        Returns the tick's events in order. A world that has ended stays as it is. Errors: ValueError
-        for more than 3 frames.
+        Returns the tick's events in order. A world that has ended stays as it is. Errors:
+        ValueError for more than 3 frames.
         """
         count = len(frames)
         if count > MOST_FRAMES:
@@ -152,7 +152,7 @@ class World:
     @property
     def robot_wait_s(self) -> npt.NDArray[np.float64]:
         """Each robot's current wait in seconds, 0 where it does not wait."""
-        return cast(npt.NDArray[np.float64], self.motion.robots["wait_ticks"] / TICK_HZ)
+        return self.motion.robots["wait_ticks"] / TICK_HZ
 
     def planned_path(self, robot: int) -> npt.NDArray[np.int16]:
         """Return int16[n, 2] cells (i, j) from the one the robot is in to its goal; empty if none.
@@ -175,7 +175,7 @@ class World:
 
     def measures(self) -> TrialMeasures:
         """Return the trial's measures as they stand."""
-        return measure_trial(self.layout, self.motion)
+        return measure_trial(self.motion)
 
 
 def compile_kernels() -> None:

@@ -1,0 +1,165 @@
+"""`varil simulate`: many headless trials over all cores, two tables and a summary.
+
+The simulated workers here know the world itself and look at no display, so a condition changes
+nothing about what they do: it is checked and written into the rows.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from joblib import Parallel, delayed
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from server.kernel_cache import open_kernel_cache
+from server.policy_files import read_policy_file, shipped_policy
+from study.ar.conditions import build_condition
+from study.errors import InvalidValue
+from study.headless import HeadlessTrial, check_worker, simulate_trial
+from study.records.tables import ROBOTS, TRIALS
+from study.warehouse.layout import PRESETS, HallSpec, build_layout
+
+LARGEST_BATCH = 25
+LINE_EVERY_S = 5.0
+
+
+@dataclass(frozen=True)
+class SimulationOptions:
+    """What `varil simulate` was asked for. Trial n runs with seed `seed` + n."""
+
+    out: Path
+    condition: str = "none"
+    policy: Path | None = None
+    scale: str = "study"
+    worker: str = "cyclic"
+    trials: int = 10
+    seed: int = 0
+    workers: int = 1
+    quiet: bool = False
+
+
+def run_simulation(options: SimulationOptions) -> dict[str, Any]:
+    """Run the trials, write trials.csv and robots.csv into the folder, return the summary.
+
+    Errors: StudyError subclasses for an unknown condition, scale or worker or a bad policy file.
+    """
+    spec = choose_scale(options.scale)
+    check_worker(options.worker)
+    policy = None
+    if options.condition == "varil":
+        policy = read_policy_file(options.policy) if options.policy else shipped_policy()
+    build_condition(options.condition, policy)
+    options.out.mkdir(parents=True, exist_ok=True)
+    console = Console(stderr=True, quiet=options.quiet)
+    console.print("Preparing the compiled world (up to a minute the first time) ...")
+    open_kernel_cache()
+    simulate_trial(build_layout(PRESETS["practice"]), 0, options.worker)
+    started_s = time.perf_counter()
+    finished = sorted(_watch(options, spec, console), key=lambda trial: trial.seed)
+    wall_s = time.perf_counter() - started_s
+    _write_tables(options, spec, policy.sha256 if policy else "", finished)
+    return summarize(finished, options.seed, wall_s)
+
+
+def choose_scale(name: str) -> HallSpec:
+    """Return the preset of this name. Errors: InvalidValue naming those that exist."""
+    if name not in PRESETS:
+        raise InvalidValue(
+            f"there is no scale “{name[:40]}”", next_step=f"Use one of: {', '.join(PRESETS)}."
+        )
+    return PRESETS[name]
+
+
+def summarize(finished: list[HeadlessTrial], seed: int, wall_s: float) -> dict[str, Any]:
+    """Return the figures of a run, with the keys that `--json` promises."""
+    measures = [trial.measures for trial in finished]
+    steps = sum(m.ticks for m in measures)
+    cpu_s = sum(trial.cpu_s for trial in finished)
+    return {
+        "trials": len(finished),
+        "completed": sum(m.status == "completed" for m in measures),
+        "timed_out": sum(m.status == "timed_out" for m in measures),
+        "overlaps": sum(m.overlaps for m in measures),
+        "longest_stall_s": max(m.longest_stall_s for m in measures),
+        "steps": steps,
+        "steps_per_s_per_core": round(steps / cpu_s) if cpu_s > 0 else 0,
+        "wall_s": round(wall_s, 3),
+        "sum_wait_s_mean": round(sum(m.sum_wait_s for m in measures) / len(measures), 3),
+        "seed": seed,
+    }
+
+
+def _run_batch(spec: HallSpec, seeds: list[int], worker: str) -> list[HeadlessTrial]:
+    """Run some trials in a worker process; the code that the parent compiled is only loaded."""
+    open_kernel_cache()
+    layout = build_layout(spec)
+    simulate_trial(build_layout(PRESETS["practice"]), 0, worker)
+    return [simulate_trial(layout, seed, worker) for seed in seeds]
+
+
+def _results(options: SimulationOptions, spec: HallSpec) -> Iterator[list[HeadlessTrial]]:
+    seeds = [options.seed + n for n in range(options.trials)]
+    processes = min(options.workers, options.trials)
+    size = max(1, min(LARGEST_BATCH, -(-options.trials // (4 * processes))))
+    batches = [seeds[n : n + size] for n in range(0, len(seeds), size)]
+    jobs = (delayed(_run_batch)(spec, batch, options.worker) for batch in batches)
+    run = Parallel(n_jobs=processes, backend="loky", return_as="generator_unordered")
+    yield from run(jobs)
+
+
+def _watch(options: SimulationOptions, spec: HallSpec, console: Console) -> Iterator[HeadlessTrial]:
+    """Yield the finished trials; show a bar on a terminal, else a line now and then."""
+    if console.is_terminal:
+        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+        with Progress(*columns, TimeRemainingColumn(), console=console) as progress:
+            bar = progress.add_task(f"{options.scale}, {options.worker}", total=options.trials)
+            for batch in _results(options, spec):
+                progress.advance(bar, len(batch))
+                yield from batch
+        return
+    done = 0
+    told_s = time.perf_counter()
+    for batch in _results(options, spec):
+        done += len(batch)
+        if done == options.trials or time.perf_counter() - told_s >= LINE_EVERY_S:
+            told_s = time.perf_counter()
+            console.print(f"{done} of {options.trials} trials")
+        yield from batch
+
+
+def _write_tables(
+    options: SimulationOptions, spec: HallSpec, policy_sha256: str, finished: list[HeadlessTrial]
+) -> None:
+    """Write one row per trial and one per robot, with the columns that an export has."""
+    config = json.dumps(spec.to_json(), sort_keys=True, separators=(",", ":"))
+    origin = {
+        "study_id": "simulate",
+        "config_hash": hashlib.sha256(config.encode()).hexdigest(),
+        "mode": "bot",
+        "is_bot": "true",
+        "participant_code": options.worker,
+        "position": 1,
+        "condition": options.condition,
+        "scale": options.scale,
+        "policy_sha256": policy_sha256,
+    }
+    trials: list[dict[str, Any]] = []
+    robots: list[dict[str, Any]] = []
+    for trial in finished:
+        trial_id = f"{options.scale}-{options.worker}-{trial.seed}"
+        row = origin | {"trial_id": trial_id, "seed": trial.seed}
+        trials.append(row | vars(trial.measures))
+        robots.extend(row | vars(robot) for robot in trial.measures.robots)
+    for table, rows in ((TRIALS, trials), (ROBOTS, robots)):
+        with (options.out / table.file).open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, table.header, extrasaction="ignore")
+            writer.writeheader()
+            writer.writerows(rows)
