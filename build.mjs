@@ -1,16 +1,15 @@
 // Bundles the browser client: one entry per page, shared code in chunks, no source maps shipped.
 import { build } from "esbuild";
-import { readdir, rm } from "node:fs/promises";
+import { rm } from "node:fs/promises";
 
-const SOURCES = "web/static/js";
+const SOURCES = "web/static";
 const OUTPUT = "web/static/dist";
 
-const files = await readdir(SOURCES, { withFileTypes: true });
-const entryPoints = files.filter((f) => f.isFile() && f.name.endsWith(".js")).map((f) => `${SOURCES}/${f.name}`);
+const ENTRIES = ["js/play.js", "js/check.js", "js/form.js", "css/page.css", "css/play.css"];
 
 await rm(OUTPUT, { recursive: true, force: true });
 await build({
-  entryPoints: [...entryPoints, "web/static/css/page.css", "web/static/css/play.css"],
+  entryPoints: ENTRIES.map((entry) => `${SOURCES}/${entry}`),
   entryNames: "[name]",
   chunkNames: "chunk-[hash]",
   outdir: OUTPUT,

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from playwright.sync_api import Page, expect
 
-from driver import Driver, read
+from browser.driver import Driver, read
 from study.config import paper_study
 from study.warehouse.layout import PRESETS, build_layout
 
