@@ -129,6 +129,8 @@ def find_way_round(
                 field[j * stride + i] = WALL
     field[start] = UNREACHED
     fill_marked(stride, routes.goals[r.goal], field, routes.queue, start)
+    if field[start] >= WALL:
+        return False
     for d in range(4):
         cell = start + neighbour_offset(d, stride)
         if field[cell] < field[start] and human_allows(trial, cells, start, cell):

@@ -102,9 +102,9 @@ def step_world(floor: Floor, motion: Motion, frames: npt.NDArray[np.int32], coun
     """
     trial = motion.trial[0]
     hall = floor.hall[0]
-    trial.events = 0
     if trial.status != RUNNING:
         return 0
+    trial.events = 0
     if trial.tick == 0:
         for k in range(motion.robots.size):
             start_task(floor, motion, k)
