@@ -102,11 +102,9 @@ def keep_buffers_small(send: Send) -> None:
     ASGI does not show the socket; uvicorn's `send` is a method of the object that has it. With
     another server, or behind a wrapper, nothing is changed.
     """
-    transport = getattr(getattr(send, "__self__", None), "transport", None)
-    if not isinstance(transport, asyncio.WriteTransport | asyncio.Transport):
-        return
-    transport.set_write_buffer_limits(high=UNSENT_BYTES)
-    raw = transport.get_extra_info("socket")
+    transport: Any = getattr(getattr(send, "__self__", None), "transport", None)
     with contextlib.suppress(OSError, AttributeError):
+        transport.set_write_buffer_limits(high=UNSENT_BYTES)
+        raw = transport.get_extra_info("socket")
         raw.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BUFFER_BYTES)
         raw.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, UNSENT_BYTES)
