@@ -8,6 +8,7 @@ at the scene; `--docs` writes the README's pictures, `--elements` those of the e
 from __future__ import annotations
 
 import argparse
+import base64
 import functools
 import http.server
 import json
@@ -21,8 +22,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from tests.browser.scene.palette_png import encode
 from tests.browser.scene.worlds import Eye, build_world
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -52,6 +55,8 @@ class Shot:
     now_s: float = 3.0
     seed: int = 11
     size: tuple[int, int] = (1280, 720)
+    colours: int = 0
+    hud: str = ""
 
 
 SHOTS: dict[str, Shot] = {
@@ -76,23 +81,22 @@ SHOTS: dict[str, Shot] = {
 SHOTS["study-none-down"] = Shot("study", "none", 6.9, 5.1, 1.3, -0.6)
 SHOTS["study-none-up"] = Shot("study", "none", 6.9, 5.1, 1.3, 0.5)
 
+CROSS = (2.0, 10.8, 0.0, -0.05)
 DOCS = {
-    "full": Shot("study", "full", 2.0, 10.8, 0.0, -0.03),
-    "arroch": Shot("study", "arroch", 7.8, 2.6, 1.62, -0.03),
-    "crmiar": Shot("study", "crmiar", 2.0, 10.8, 0.0, -0.03),
+    "full": Shot("study", "full", 1.4, 20.0, -0.55, -0.06, seed=11, colours=256, hud="Display C"),
+    "arroch": Shot("study", "arroch", 8.4, 10.4, 0.3, -0.1, seed=8, now_s=2.2, colours=256, hud="Display A"),
+    "crmiar": Shot("study", "crmiar", 11.4, 10.4, 0.35, -0.1, seed=5, colours=256, hud="Display B"),
 }
+SIZE = (960, 540)
 ELEMENTS = {
-    name: Shot("study", name, 2.0, 10.8, 0.0, -0.03, size=(960, 540))
-    for name in (
-        "trajectory",
-        "live-location",
-        "transparent-avatar",
-        "balloon",
-        "minimap",
-        "offscreen-arrows",
-        "path-beads",
-        "none",
-    )
+    "trajectory": Shot("study", "trajectory", 11.4, 10.4, 0.35, -0.16, seed=5, size=SIZE, colours=200),
+    "live-location": Shot("study", "live-location", 4.8, 10.8, 0.9, -0.08, seed=5, size=SIZE, colours=200),
+    "transparent-avatar": Shot("study", "transparent-avatar", 11.4, 10.4, 0.35, -0.16, seed=5, now_s=0.9, size=SIZE, colours=200),
+    "balloon": Shot("study", "balloon", 10.8, 10.0, -0.55, 0.04, seed=11, size=SIZE, colours=200),
+    "minimap": Shot("study", "minimap", *CROSS, seed=11, size=SIZE, colours=200),
+    "offscreen-arrows": Shot("study", "offscreen-arrows", 13.8, 10.8, 0.0, -0.04, seed=11, size=SIZE, colours=200),
+    "path-beads": Shot("study", "path-beads", 11.4, 10.4, 0.35, -0.14, seed=5, size=SIZE, colours=200),
+    "none": Shot("study", "none", *CROSS, seed=11, size=SIZE, colours=200),
 }
 
 
@@ -134,6 +138,7 @@ def serve_folder(folder: Path) -> Iterator[str]:
 def open_world(browser: Browser, folder: Path, url: str, shot: Shot) -> Page:
     """Open the picture page with a shot's world."""
     world = build_world(shot.scale, shot.display, shot.seed, Eye(shot.x, shot.y, shot.heading))
+    world["hud"] = shot.hud
     (folder / "world.json").write_text(json.dumps(world))
     page = browser.new_page(viewport={"width": shot.size[0], "height": shot.size[1]})
     page.on(
@@ -159,14 +164,35 @@ def view_of(shot: Shot) -> dict[str, float]:
     }
 
 
+READ_PIXELS = """async (data) => {
+  const image = await createImageBitmap(await (await fetch("data:image/png;base64," + data)).blob());
+  const pen = new OffscreenCanvas(image.width, image.height).getContext("2d");
+  pen.drawImage(image, 0, 0);
+  const bytes = pen.getImageData(0, 0, image.width, image.height).data;
+  let text = "";
+  for (let n = 0; n < bytes.length; n += 8192) text += String.fromCharCode(...bytes.subarray(n, n + 8192));
+  return btoa(text);
+}"""
+
+
+def reduce_colours(page: Page, png: bytes, size: tuple[int, int], colours: int) -> bytes:
+    """Return the same picture with a palette."""
+    raw = base64.b64decode(page.evaluate(READ_PIXELS, base64.b64encode(png).decode()))
+    pixels = np.frombuffer(raw, dtype=np.uint8).reshape(size[1], size[0], 4)[:, :, :3]
+    return encode(np.ascontiguousarray(pixels), colours)
+
+
 def take(browser: Browser, folder: Path, url: str, shot: Shot, target: Path) -> dict[str, Any]:
     """Take one picture; returns draw calls and triangles."""
     page = open_world(browser, folder, url, shot)
     counts: dict[str, Any] = page.evaluate("shot => window.picture.draw(shot)", view_of(shot))
     target.parent.mkdir(parents=True, exist_ok=True)
-    page.screenshot(path=target, timeout=120_000)
+    png = page.screenshot(timeout=120_000)
+    if shot.colours:
+        png = reduce_colours(page, png, shot.size, shot.colours)
+    target.write_bytes(png)
     page.close()
-    return counts
+    return counts | {"kB": round(len(png) / 1000)}
 
 
 def bench(browser: Browser, folder: Path, url: str) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 import { Stage } from "../../../web/static/js/scene/stage.js";
 import { HallView } from "../../../web/static/js/scene/view.js";
+import { Hud } from "../../../web/static/js/ui/hud.js";
 
 const world = await (await fetch("world.json")).json();
 const parent = /** @type {HTMLElement} */ (document.getElementById("stage"));
@@ -18,6 +19,12 @@ view.setDisplay({
   robots: Uint8Array.from(world.display.robots),
   stations: Uint8Array.from(world.display.stations),
 });
+if (world.hud) {
+  const hud = new Hud(parent, () => {});
+  hud.begin(world.hud, 3 * world.robots.length);
+  hud.showBoxes(14);
+  hud.showTime(133);
+}
 
 /** @typedef {{ x: number, y: number, heading: number, pitch: number, now_s: number }} Shot */
 

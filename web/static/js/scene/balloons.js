@@ -10,7 +10,7 @@ import { BALLOON_COLOUR } from "./palette.js";
 export const BALLOON_M = 3.35;
 const NEAR_M = 9;
 const GROWTH_PER_M = 0.06;
-const GROWTH_MAX = 2.6;
+const GROWTH_MAX = 4;
 const BOB_M = 0.07;
 
 const VERTEX = `

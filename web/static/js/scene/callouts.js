@@ -28,7 +28,7 @@ export class Callouts {
     this.shifts = new Float32Array(robots + 8);
     this.alphas = new Float32Array(robots + 8);
     this.point = new Vector3();
-    /** @type {{ id: number, cell: import("./atlas.js").CellRect, label: import("./label_layout.js").Label }[]} */
+    /** Labels of this frame; one without a cell only keeps its place free. @type {{ id: number, cell: import("./atlas.js").CellRect | null, label: import("./label_layout.js").Label }[]} */
     this.labels = [];
   }
 
@@ -63,6 +63,8 @@ export class Callouts {
     if (!spot) return;
     const label = { x: spot.x, y: spot.y + 12, w: 104, h: 44, depth_m: spot.depth_m - 100 };
     this.labels.push({ id, cell: balloonLabelCell(station), label });
+    const across = (place.size * eye.height) / spot.depth_m;
+    this.labels.push({ id, cell: null, label: { x: spot.x, y: spot.y - 12 - across * 0.5, w: across, h: across, depth_m: -200 } });
   }
 
   /** Puts the collected labels on the screen. @param {number} seconds since the last frame */
@@ -72,6 +74,7 @@ export class Callouts {
     const order = this.labels.map((_, n) => n).sort((a, b) => (this.labels[b]?.label.depth_m ?? 0) - (this.labels[a]?.label.depth_m ?? 0));
     for (const n of order) {
       const { id, cell, label } = /** @type {(typeof this.labels)[0]} */ (this.labels[n]);
+      if (!cell) continue;
       const placement = placements[n] ?? { dy: 0, alpha: 1 };
       const shift = (this.shifts[id] ?? 0) + (placement.dy - (this.shifts[id] ?? 0)) * share;
       const alpha = (this.alphas[id] ?? 0) + (placement.alpha - (this.alphas[id] ?? 0)) * share;

@@ -85,19 +85,14 @@ function addRoundEnd(band, path) {
   band.sides.push(0, 0);
   band.across.push(0);
   band.along.push(path[n]?.at ?? 0);
-  let previous = left + 1;
-  for (let step = 1; step <= CAP_STEPS; step += 1) {
+  for (let step = 0; step <= CAP_STEPS; step += 1) {
     const angle = Math.PI + (Math.PI * step) / CAP_STEPS;
     const [c, s] = [Math.cos(angle), Math.sin(angle)];
-    let next = left;
-    if (step < CAP_STEPS) {
-      next = band.across.length;
-      band.centres.push(cx, cy);
-      band.sides.push(sx * c - sy * s, sx * s + sy * c);
-      band.across.push(1);
-      band.along.push(path[n]?.at ?? 0);
-    }
-    band.indices.push(centre, previous, next);
-    previous = next;
+    const next = band.across.length;
+    band.centres.push(cx, cy);
+    band.sides.push(sx * c - sy * s, sx * s + sy * c);
+    band.across.push(1);
+    band.along.push(path[n]?.at ?? 0);
+    if (step > 0) band.indices.push(centre, next - 1, next);
   }
 }
