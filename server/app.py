@@ -27,7 +27,7 @@ from server.participant_desk import ParticipantDesk
 from server.security import Guard, same_origin
 from server.settings import Settings
 from server.signin import SignIns
-from server.store.engine import Database, StorageAway
+from server.store.engine import Database, StorageAway, serve_alone
 from server.store.schema import check_schema
 from server.tokens import mask_server_logs
 from server.trial_desk import StoredTrialDesk
@@ -99,21 +99,22 @@ def _build_services(settings: Settings, studies: Sequence[Study]) -> Services:
 
 @contextlib.asynccontextmanager
 async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
-    """Refuse to start on a database of another version; then run until told to stop."""
+    """Refuse a database in use or of another version; then run until told to stop."""
     services: Services = app.state.services
     hall: Hall = app.state.hall
     mask_server_logs()
     try:
-        await check_schema(services.database)
-        await services.participants.register_studies()
-        await hall.start()
-        sweeper = asyncio.create_task(_sweep_forever(services.participants))
-        try:
-            yield
-        finally:
-            sweeper.cancel()
-            await asyncio.gather(sweeper, return_exceptions=True)
-            await hall.stop()
+        with serve_alone(services.database):
+            await check_schema(services.database)
+            await services.participants.register_studies()
+            await hall.start()
+            sweeper = asyncio.create_task(_sweep_forever(services.participants))
+            try:
+                yield
+            finally:
+                sweeper.cancel()
+                await asyncio.gather(sweeper, return_exceptions=True)
+                await hall.stop()
     finally:
         await services.database.close()
 

@@ -8,10 +8,13 @@ from pathlib import Path
 
 import pytest
 from pydantic import ValidationError
+from starlette.testclient import TestClient
 
 from server.app import create_app
 from server.pages.rendering import Assets, MissingAssets
 from server.settings import Settings
+from server.store.engine import DatabaseInUse
+from server.store.schema import SchemaMismatch
 from study.config import Study
 from study.errors import NotAllowedLive
 
@@ -59,6 +62,26 @@ def test_a_time_scale_is_refused_where_live_participants_are_recruited(
     create_app(fast, [study])
     with pytest.raises(NotAllowedLive):
         create_app(fast, [study.revised(recruiting="live")])
+
+
+def test_a_second_server_on_the_same_file_does_not_start(
+    client: TestClient, settings: Settings, study: Study
+) -> None:
+    assert client.get("/healthz").status_code == 200
+    with (
+        pytest.raises(DatabaseInUse, match="another server"),
+        TestClient(create_app(settings, [study])),
+    ):
+        pass
+    assert client.get("/readyz").status_code == 200
+
+
+def test_a_server_does_not_start_on_another_schema(settings: Settings, study: Study) -> None:
+    with (
+        pytest.raises(SchemaMismatch, match="varil migrate"),
+        TestClient(create_app(settings, [study])),
+    ):
+        pass
 
 
 def test_missing_assets_name_the_command(tmp_path: Path) -> None:
