@@ -24,6 +24,8 @@ logger = logging.getLogger(__name__)
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 HELLO_WITHIN_S = 15.0
 CLOSE_WITHIN_S = 5.0
+MESSAGES_PER_S = 200.0
+MESSAGES_BURST = 600.0
 NO_STATUS = 1005
 
 
@@ -108,6 +110,8 @@ class Session:
         self._room: JoinedRoom | None = None
         self._opening: asyncio.Task[None] | None = None
         self._code = NO_STATUS
+        self._allowance = MESSAGES_BURST
+        self._allowance_s = 0.0
 
     async def read(self, receive: Receive) -> None:
         """Read frames until the socket ends or says something that does not fit."""
@@ -167,6 +171,7 @@ class Session:
         self._outbox.close(code, sentence)
 
     def _take(self, frame: MutableMapping[str, Any]) -> None:
+        self._check_rate()
         message, room = _parse(frame), self._room
         if isinstance(message, wire.Input):
             if room is None:
@@ -187,6 +192,14 @@ class Session:
                 room.take_attention(message)
             else:
                 room.take_context(message)
+
+    def _check_rate(self) -> None:
+        now_s = asyncio.get_running_loop().time()
+        gained = (now_s - self._allowance_s) * MESSAGES_PER_S
+        self._allowance = min(MESSAGES_BURST, self._allowance + gained) - 1.0
+        self._allowance_s = now_s
+        if self._allowance < 0.0:
+            raise WireError(f"at most {MESSAGES_PER_S:.0f} messages a second", "more")
 
 
 def _parse(frame: MutableMapping[str, Any]) -> wire.TextMessage | wire.Input:

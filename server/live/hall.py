@@ -35,7 +35,9 @@ class Hall:
         self.clock = clock or SystemClock()
         self.rooms: dict[str, Room] = {}
         self.ticker = Ticker(self.clock, self._give_up)
-        self.writer = JournalWriter(desk, self._all_rooms, self._forget, self.clock)
+        self.writer = JournalWriter(
+            desk, self._all_rooms, self._forget, self._close_refused, self.clock
+        )
         self._desk = desk
         self._prepare = prepare
         self._preparing: asyncio.Task[None] | None = None
@@ -112,6 +114,12 @@ class Hall:
         self._forgotten += 1
         self.rooms.pop(room.setup.trial_id, None)
         self.ticker.remove(room)
+
+    def _close_refused(self, trial_id: str) -> None:
+        room = self.rooms.get(trial_id)
+        if room is not None:
+            self._forget(room)
+            room.shut_down(CloseCode.TRY_LATER, "this trial could not be stored; open it again")
 
     def _give_up(self, ticked: Ticked, problem: Exception) -> None:
         for room in self._all_rooms():

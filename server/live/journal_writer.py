@@ -15,11 +15,13 @@ logger = logging.getLogger(__name__)
 PERIOD_S = 1.0
 MAX_BACKOFF_S = 10.0
 COMMIT_WITHIN_S = 20.0
+ALONE_AFTER_FAILURES = 3
 
 
 class JournalWriter:
     """The only writer of trials. A batch that failed is offered again, unchanged, before others.
 
+    One that fails again and again while others can be stored is given up, and said so.
     A finished trial is reported to the desk only after everything of it was committed.
     `failing_since_s` is None while all is well, else the clock's time of the first failure.
     """
@@ -29,6 +31,7 @@ class JournalWriter:
         desk: TrialDesk,
         rooms: Callable[[], Iterable[Room]],
         on_stored: Callable[[Room], None],
+        on_refused: Callable[[str], None],
         clock: Clock,
     ) -> None:
         self.failing_since_s: float | None = None
@@ -37,6 +40,7 @@ class JournalWriter:
         self._desk = desk
         self._rooms = rooms
         self._on_stored = on_stored
+        self._on_refused = on_refused
         self._clock = clock
         self._pending: tuple[TrialBatch, ...] = ()
         self._left_over: list[TrialBatch] = []
@@ -74,8 +78,7 @@ class JournalWriter:
 
     async def _commit(self) -> None:
         if self._pending:
-            await self._desk.commit(self._pending)
-            self._pending = ()
+            await self._commit_pending()
         left_over, self._left_over = self._left_over, []
         fresh = list(left_over)
         for room in self._rooms():
@@ -86,9 +89,34 @@ class JournalWriter:
                 self._finished.append(room)
         self._pending = tuple(fresh)
         if self._pending:
+            await self._commit_pending()
+
+    async def _commit_pending(self) -> None:
+        try:
             await self._desk.commit(self._pending)
-            self.commits += 1
-            self._pending = ()
+        except Exception:
+            if self._failures < ALONE_AFTER_FAILURES:
+                raise
+            await self._commit_singly()
+        self.commits += 1
+        self._pending = ()
+
+    async def _commit_singly(self) -> None:
+        """After repeated failures: one trial that cannot be stored must not hold up the others."""
+        refused: dict[str, Exception] = {}
+        for batch in self._pending:
+            try:
+                await self._desk.commit((batch,))
+            except Exception as problem:
+                refused[batch.trial_id] = problem
+        if len(refused) == len({batch.trial_id for batch in self._pending}):
+            raise next(iter(refused.values()))
+        for trial_id, reason in refused.items():
+            logger.error(
+                "the trial %s cannot be stored and was given up", trial_id, exc_info=reason
+            )
+            self._finished = [room for room in self._finished if room.setup.trial_id != trial_id]
+            self._on_refused(trial_id)
 
     async def _finish(self) -> None:
         while self._finished:

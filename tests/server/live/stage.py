@@ -89,6 +89,7 @@ class MemoryDesk:
         self.results: dict[str, TrialResult] = {}
         self.failures = 0
         self.opened = 0
+        self.erased: set[str] = set()
 
     async def open_trial(self, token: str) -> OpenTrial:
         self.opened += 1
@@ -104,6 +105,8 @@ class MemoryDesk:
         if self.failures:
             self.failures -= 1
             raise ConnectionError("the database is away")
+        if self.erased & {batch.trial_id for batch in batches}:
+            raise LookupError("no such trial")
         for batch in batches:
             if batch.chunk is not None:
                 self.chunks.setdefault(batch.trial_id, []).append(batch.chunk)

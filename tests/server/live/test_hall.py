@@ -196,3 +196,40 @@ async def test_watching_the_numbers() -> None:
     assert hall.ticker.lateness.total == 0
     assert desk.opened == 1
     assert wire.TICK_HZ == 30
+
+
+async def test_a_trial_that_cannot_be_stored_does_not_hold_up_the_others(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    """Erased while it ran: after repeated failures it is given up, aloud; the rest is stored."""
+    clock, desk, hall = make("t-2")
+    gone, other = [await enter(hall, clock, f"token-{name}") for name in ("t-1", "t-2")]
+    listeners = [gone.join(), other.join()]
+    desk.erased.add("t-1")
+    flushed = []
+    for _ in range(5):
+        gone.play(1.0, stand)
+        other.play(1.0, stand)
+        flushed.append(await hall.writer.flush())
+    assert flushed == [False, False, False, True, True]
+    assert listeners[0].closed is not None
+    assert listeners[0].closed[0] == 1013
+    assert listeners[1].closed is None
+    assert list(hall.rooms) == ["t-2"]
+    assert desk.chunks["t-2"][-1].last_tick == other.room.world.tick
+    assert "the trial t-1 cannot be stored" in caplog.text
+
+
+async def test_a_database_that_is_away_gives_no_trial_up() -> None:
+    """When nothing can be stored, nobody is blamed, however long it lasts."""
+    clock, desk, hall = make("t-2")
+    stages = [await enter(hall, clock, f"token-{name}") for name in ("t-1", "t-2")]
+    listeners = [stage.join() for stage in stages]
+    desk.failures = 30
+    for _ in range(8):
+        stages[0].play(0.5, stand)
+        assert not await hall.writer.flush()
+    desk.failures = 0
+    assert await hall.writer.flush()
+    assert [listener.closed for listener in listeners] == [None, None]
+    assert len(hall.rooms) == 2

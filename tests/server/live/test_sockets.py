@@ -181,6 +181,16 @@ async def test_what_does_not_fit_is_refused(
         assert (await read_text(ws, "welcome"))["tick"] == 0
 
 
+async def test_nobody_may_flood_the_server(serving: Serving) -> None:
+    """A thousand messages in a burst: the socket is closed and told the limit."""
+    async with serving.connect("t-1") as ws:
+        await ws.send(HELLO)
+        with contextlib.suppress(ConnectionClosed):
+            for _ in range(1000):
+                await ws.send(json.dumps({"type": "context", "lost": True}))
+        assert await read_close(ws) == (4400, "wanted at most 200 messages a second, got more")
+
+
 async def test_unknown_tokens_and_foreign_pages(serving: Serving) -> None:
     """4401 with a sentence; a page of another origin gets no socket at all."""
     async with serving.connect("nobody") as ws:
