@@ -1,0 +1,21 @@
+"""Guards that the live benchmark still measures what it says; its figures are not judged here."""
+
+from pathlib import Path
+
+import pytest
+
+from server import bench_live
+
+
+def test_a_small_run_reports_all_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three real sockets against real rooms and a real database, for a moment."""
+    monkeypatch.setattr(bench_live, "WARM_S", 4.0)
+    var = Path(__file__).parent.parent.parent / "var"
+    report = bench_live.bench_live(levels=(3,), seconds=1.0, var=var)
+    (level,) = report["levels"]
+    assert (level["trials"], level["running"]) == (3, 3)
+    assert 500 < level["wire_bytes_per_s"] < 3000
+    assert level["late_p50_ms"] <= level["late_p99_ms"] <= level["late_worst_ms"] + 0.25
+    assert set(report["wire"]) == {"varil", "arroch", "crmiar", "none"}
+    assert report["machine"]["cores"] >= 1
+    assert "uvicorn" in report["versions"]
