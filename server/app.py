@@ -16,6 +16,7 @@ from starlette.routing import WebSocketRoute
 
 from server.deps import Services
 from server.figures import ServerFigures
+from server.kernel_cache import kernel_folder
 from server.live.compiling import prepare_kernels
 from server.live.endpoint import LiveEndpoint
 from server.live.hall import Hall
@@ -67,12 +68,7 @@ def create_app(settings: Settings, studies: Sequence[Study]) -> FastAPI:
 
 
 def _build_hall(services: Services) -> Hall:
-    cache = services.settings.var_dir / "kernels"
-
-    async def prepare() -> None:
-        await prepare_kernels(cache)
-
-    hall = Hall(services.trials, prepare)
+    hall = Hall(services.trials, lambda: prepare_kernels(kernel_folder()))
     services.metrics.register(ServerFigures(hall))
     return hall
 

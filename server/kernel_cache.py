@@ -1,4 +1,4 @@
-"""Where compiled code is kept when a command runs without the server's folder."""
+"""Where compiled code is kept between processes."""
 
 from __future__ import annotations
 
@@ -6,18 +6,22 @@ import os
 import tempfile
 from pathlib import Path
 
-from study.warehouse.kernels import use_kernel_cache
+
+def kernel_folder() -> Path:
+    """`VARIL_CACHE_DIR`, or `~/.cache/varil` if it is not set."""
+    chosen = os.environ.get("VARIL_CACHE_DIR")
+    return Path(chosen) if chosen else Path("~/.cache/varil").expanduser()
 
 
 def open_kernel_cache() -> Path:
-    """Use `VARIL_CACHE_DIR`, else `~/.cache/varil`, else, if neither can be written, a temp folder.
+    """Use the kernel folder, or a temporary one where it cannot be written.
 
     Returns the folder of this version's code. Call it before the first world is made.
     """
-    chosen = os.environ.get("VARIL_CACHE_DIR")
-    folder = Path(chosen) if chosen else Path("~/.cache/varil").expanduser()
+    from study.warehouse.kernels import use_kernel_cache  # loads the compiler
+
     try:
-        return use_kernel_cache(folder)
+        return use_kernel_cache(kernel_folder())
     except (OSError, RuntimeError):
         owner = os.getuid() if hasattr(os, "getuid") else 0
         return use_kernel_cache(Path(tempfile.gettempdir()) / f"varil-kernels-{owner}")

@@ -26,8 +26,10 @@ from server.store.schema import migrate
 from study.config import Study, paper_study
 from study.warehouse.kernels import use_kernel_cache
 
-# Compiled code is kept between runs and shared by the whole suite.
-use_kernel_cache(Path(__file__).parent.parent / "var" / "kernels")
+# Compiled code is kept between runs and shared by the whole suite, its subprocesses included.
+KERNELS = Path(__file__).parent.parent / "var" / "kernels"
+os.environ["VARIL_CACHE_DIR"] = str(KERNELS)
+use_kernel_cache(KERNELS)
 
 
 @pytest.fixture

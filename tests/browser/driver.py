@@ -17,6 +17,7 @@ from study.warehouse.world import RobotState
 
 CELL_M = 0.6
 REACHED_M = 0.3
+ASIDE_M = 1.5
 KEY_DIRECTIONS = {  # forward and left parts of the motion, relative to the view
     ("w",): (1, 0), ("s",): (-1, 0), ("a",): (0, 1), ("d",): (0, -1),
     ("w", "a"): (1, 1), ("w", "d"): (1, -1), ("s", "a"): (-1, 1), ("s", "d"): (-1, -1),
@@ -84,16 +85,22 @@ class Driver:
         self.hold(())
 
     def keys_for(self, reading: Reading) -> tuple[str, ...]:
-        """Keys that lead towards the nearest waiting robot, none when there is nobody to serve."""
+        """Keys that lead to the nearest waiting robot; with nobody to serve, out of others' way."""
         waiting = [
             (math.dist((x, y), (reading.x_m, reading.y_m)), x, y)
             for x, y, state in reading.robots
             if state is RobotState.WAITING
         ]
-        if not waiting:
+        if waiting:
+            _, x, y = min(waiting)
+            goal = self.cell_beside(x, y)
+        elif any(
+            math.dist((x, y), (reading.x_m, reading.y_m)) < ASIDE_M for x, y, _ in reading.robots
+        ):
+            goal = self.cell_of(*self.layout.human_start_m)
+        else:
             return ()
-        _, x, y = min(waiting)
-        waypoint = self.next_waypoint(reading, self.cell_of(x, y))
+        waypoint = self.next_waypoint(reading, goal)
         if waypoint is None:
             return ()
         wish = math.atan2(waypoint[1] - reading.y_m, waypoint[0] - reading.x_m) - reading.yaw_rad
@@ -112,6 +119,11 @@ class Driver:
             min(max(column, 0), self.layout.width_cells - 1),
             min(max(row, 0), self.layout.height_cells - 1),
         )
+
+    def cell_beside(self, x_m: float, y_m: float) -> tuple[int, int]:
+        """The cell next to a bay's mouth: near enough to unload, out of the leaving robot's way."""
+        column, row = self.cell_of(x_m, y_m)
+        return column + (1 if column < self.layout.width_cells / 2 else -1), row
 
     def next_waypoint(self, reading: Reading, goal: tuple[int, int]) -> tuple[float, float] | None:
         """Centre of the farthest cell ahead on the shortest path that is in a straight line."""

@@ -35,7 +35,7 @@ class Walk:
 
     def arrive(self, heading: str | re.Pattern[str]) -> None:
         """Wait for a step's page and keep what it says."""
-        expect(self.page.locator("h1")).to_contain_text(heading)
+        expect(self.page.locator("#content h1")).to_contain_text(heading)
         self.texts.append(f"{self.page.title()}\n{self.page.url}\n{self.page.inner_text('body')}")
 
     def send(self) -> None:
@@ -106,7 +106,7 @@ def enter(walk: Walk, url: str) -> None:
 def do_round(walk: Walk, position: int) -> None:
     """Explanation, trial, questionnaire; the second trial is interrupted by a refresh."""
     walk.arrive(re.compile(f"{position} of 3"))
-    heading = walk.page.locator("h1").inner_text()
+    heading = walk.page.locator("#content h1").inner_text()
     walk.displays.append(heading[-1])
     walk.send()
     if position == 2:
