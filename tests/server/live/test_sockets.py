@@ -247,6 +247,7 @@ async def test_fuzzed_frames_disturb_nobody(
         assert room.phase in ("running", "paused")
         assert room.world.tick > tick
         assert neighbour.close_code is None
+        neighbour.transport.abort()
     assert "Traceback" not in caplog.text
 
 
