@@ -1,7 +1,7 @@
 """Take pictures of the scene with a scripted world in real Chromium.
 
-Run as `python -m tests.browser.make_pictures`, or with names of shots (`study-full-aisle`), to look
-at the scene; `--docs` writes the README's pictures, `--elements` those of the explanation pages, and
+Run as `python -m tests.browser.make_pictures` with names of shots (`study-full-aisle`) to look at
+the scene; `--docs` writes the README's pictures, `--elements` those of the explanation pages, and
 `--bench` prints the JavaScript time per frame and the draw calls as JSON.
 """
 
@@ -14,6 +14,7 @@ import http.server
 import json
 import shutil
 import subprocess
+import sys
 import tempfile
 import threading
 from collections.abc import Iterator
@@ -82,21 +83,27 @@ SHOTS["study-none-down"] = Shot("study", "none", 6.9, 5.1, 1.3, -0.6)
 SHOTS["study-none-up"] = Shot("study", "none", 6.9, 5.1, 1.3, 0.5)
 
 CROSS = (2.0, 10.8, 0.0, -0.05)
+LONG_AISLE = (11.4, 10.4, 0.35, -0.14)
 DOCS = {
-    "full": Shot("study", "full", 1.4, 20.0, -0.55, -0.06, seed=11, colours=256, hud="Display C"),
-    "arroch": Shot("study", "arroch", 8.4, 10.4, 0.3, -0.1, seed=8, now_s=2.2, colours=256, hud="Display A"),
-    "crmiar": Shot("study", "crmiar", 11.4, 10.4, 0.35, -0.1, seed=5, colours=256, hud="Display B"),
+    name: Shot("study", name, *at, now_s=2.2, seed=seed, colours=256, hud=hud)
+    for name, at, seed, hud in (
+        ("full", (1.4, 20.0, -0.55, -0.06), 11, "Display C"),
+        ("arroch", (8.4, 10.4, 0.3, -0.1), 8, "Display A"),
+        ("crmiar", (11.4, 10.4, 0.35, -0.1), 5, "Display B"),
+    )
 }
-SIZE = (960, 540)
 ELEMENTS = {
-    "trajectory": Shot("study", "trajectory", 11.4, 10.4, 0.35, -0.16, seed=5, size=SIZE, colours=200),
-    "live-location": Shot("study", "live-location", 4.8, 10.8, 0.9, -0.08, seed=5, size=SIZE, colours=200),
-    "transparent-avatar": Shot("study", "transparent-avatar", 11.4, 10.4, 0.35, -0.16, seed=5, now_s=0.9, size=SIZE, colours=200),
-    "balloon": Shot("study", "balloon", 10.8, 10.0, -0.55, 0.04, seed=11, size=SIZE, colours=200),
-    "minimap": Shot("study", "minimap", *CROSS, seed=11, size=SIZE, colours=200),
-    "offscreen-arrows": Shot("study", "offscreen-arrows", 13.8, 10.8, 0.0, -0.04, seed=11, size=SIZE, colours=200),
-    "path-beads": Shot("study", "path-beads", 11.4, 10.4, 0.35, -0.14, seed=5, size=SIZE, colours=200),
-    "none": Shot("study", "none", *CROSS, seed=11, size=SIZE, colours=200),
+    name: Shot("study", name, *at, now_s=0.9, seed=seed, size=(960, 540), colours=200)
+    for name, at, seed in (
+        ("trajectory", LONG_AISLE, 5),
+        ("live-location", (4.8, 10.8, 0.9, -0.08), 5),
+        ("transparent-avatar", LONG_AISLE, 5),
+        ("balloon", (10.8, 10.0, -0.55, 0.04), 11),
+        ("minimap", CROSS, 11),
+        ("offscreen-arrows", (13.8, 10.8, 0.0, -0.04), 11),
+        ("path-beads", LONG_AISLE, 5),
+        ("none", CROSS, 11),
+    )
 }
 
 
@@ -135,19 +142,20 @@ def serve_folder(folder: Path) -> Iterator[str]:
         server.shutdown()
 
 
+def report(record: dict[str, Any]) -> None:
+    """Write one line of JSON."""
+    sys.stdout.write(json.dumps(record) + "\n")
+    sys.stdout.flush()
+
+
 def open_world(browser: Browser, folder: Path, url: str, shot: Shot) -> Page:
     """Open the picture page with a shot's world."""
     world = build_world(shot.scale, shot.display, shot.seed, Eye(shot.x, shot.y, shot.heading))
     world["hud"] = shot.hud
     (folder / "world.json").write_text(json.dumps(world))
     page = browser.new_page(viewport={"width": shot.size[0], "height": shot.size[1]})
-    page.on(
-        "console",
-        lambda message: (
-            print("console:", message.text) if message.type in ("error", "warning") else None
-        ),
-    )
-    page.on("pageerror", lambda error: print("page error:", error))
+    page.on("console", lambda message: report({"console": message.text}))
+    page.on("pageerror", lambda error: report({"page error": str(error)}))
     page.goto(url)
     page.wait_for_selector("body[data-ready]", state="attached", timeout=120_000)
     return page
@@ -165,12 +173,14 @@ def view_of(shot: Shot) -> dict[str, float]:
 
 
 READ_PIXELS = """async (data) => {
-  const image = await createImageBitmap(await (await fetch("data:image/png;base64," + data)).blob());
+  const file = await fetch("data:image/png;base64," + data);
+  const image = await createImageBitmap(await file.blob());
   const pen = new OffscreenCanvas(image.width, image.height).getContext("2d");
   pen.drawImage(image, 0, 0);
   const bytes = pen.getImageData(0, 0, image.width, image.height).data;
   let text = "";
-  for (let n = 0; n < bytes.length; n += 8192) text += String.fromCharCode(...bytes.subarray(n, n + 8192));
+  for (let n = 0; n < bytes.length; n += 8192)
+    text += String.fromCharCode(...bytes.subarray(n, n + 8192));
   return btoa(text);
 }"""
 
@@ -232,12 +242,9 @@ def main() -> None:
         )
         with serve_folder(folder) as url:
             for title, shot, target in jobs:
-                print(
-                    json.dumps({"picture": title, **take(browser, folder, url, shot, target)}),
-                    flush=True,
-                )
+                report({"picture": title, **take(browser, folder, url, shot, target)})
             if options.bench:
-                print(json.dumps(bench(browser, folder, url)))
+                report(bench(browser, folder, url))
         browser.close()
 
 

@@ -13,7 +13,7 @@ BINS = 32
 
 
 def cut_palette(pixels: Pixels, colours: int) -> npt.NDArray[np.float64]:
-    """Return float64[k, 3]: the mean colours of boxes cut at the median along their longest side."""
+    """Return float64[k, 3]: mean colours of boxes cut at the median along their longest side."""
     keys = pixels.reshape(-1, 3) // (256 // BINS)
     index = (keys[:, 0].astype(np.int64) * BINS + keys[:, 1]) * BINS + keys[:, 2]
     counts = np.bincount(index, minlength=BINS**3).astype(np.float64)

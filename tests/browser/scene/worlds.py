@@ -21,7 +21,7 @@ MINIMAP, ARROWS = 1, 2
 
 @dataclass(frozen=True)
 class Robot:
-    """One robot at one moment: metres, radians, RobotState number, carried colour or -1, path cells."""
+    """One robot at one moment: metres, radians, RobotState number, colour or -1, path cells."""
 
     x_m: float
     y_m: float
@@ -118,7 +118,9 @@ def in_sight(layout: Layout, eye: Eye, cell: Cell) -> bool:
         return False
     points = [(eye.x_m + dx * n / 40, eye.y_m + dy * n / 40) for n in range(41)]
     shelves = layout.shelves_m.tolist()
-    return not any(x0 <= px <= x1 and y0 <= py <= y1 for px, py in points for x0, y0, x1, y1 in shelves)
+    return not any(
+        x0 <= px <= x1 and y0 <= py <= y1 for px, py in points for x0, y0, x1, y1 in shelves
+    )
 
 
 def place_robots(layout: Layout, seed: int, eye: Eye) -> list[Robot]:
