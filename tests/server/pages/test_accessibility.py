@@ -1,0 +1,70 @@
+"""Guards every page with forms: axe finds nothing, and nothing sticks out of a narrow window."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from typing import Any
+from urllib.parse import urlsplit
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Page, Route, sync_playwright
+from starlette.testclient import TestClient
+
+pytestmark = pytest.mark.browser
+STEPS = ("consent", "browser-check", "demographics", "instructions", "explanation-1",
+         "questionnaire-1", "comments", "debrief")  # fmt: skip
+REFUSED = ("consent", "demographics", "questionnaire-1")
+
+
+@pytest.fixture
+def chromium_page(client: TestClient) -> Iterator[Page]:
+    """A browser whose every request is answered by the app in this process."""
+
+    def answer(route: Route) -> None:
+        asked = urlsplit(route.request.url)
+        kind = route.request.headers.get("content-type", "text/plain")
+        got = client.request(
+            route.request.method,
+            f"{asked.path}?{asked.query}",
+            content=route.request.post_data_buffer,
+            headers={"content-type": kind},
+            follow_redirects=True,
+        )
+        route.fulfill(status=got.status_code, headers=dict(got.headers), body=got.content)
+
+    program = shutil.which("chromium") or shutil.which("google-chrome")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, chromium_sandbox=False)
+        page = browser.new_page(viewport={"width": 1280, "height": 800})
+        page.route("**/*", answer)
+        yield page
+        browser.close()
+
+
+def problems_of(page: Page) -> list[str]:
+    found = [str(violation["id"]) for violation in Axe().run(page).response["violations"]]
+    for width in (320, 640):
+        page.set_viewport_size({"width": width, "height": 600})
+        if page.evaluate("document.documentElement.scrollWidth") > width:
+            found.append(f"wider than {width} px")
+    page.set_viewport_size({"width": 1280, "height": 800})
+    return found
+
+
+def test_every_form_page_is_accessible(chromium_page: Page, walker: Any) -> None:
+    found: dict[str, list[str]] = {}
+    for step in STEPS:
+        walker.walk_to(step)
+        chromium_page.goto(f"http://testserver{walker.address}")
+        found[step] = problems_of(chromium_page)
+        if step in REFUSED:
+            chromium_page.click("button[type=submit]")
+            chromium_page.wait_for_selector("#summary:focus")
+            found[f"{step} refused"] = problems_of(chromium_page)
+    for address in ("/", "/s/demo", "/login", f"{walker.address}/withdraw", "/nothing"):
+        chromium_page.goto(f"http://testserver{address}")
+        found[address] = problems_of(chromium_page)
+    assert {name: what for name, what in found.items() if what} == {}
+    assert len(found) == len(STEPS) + len(REFUSED) + 5
