@@ -175,6 +175,7 @@ async def _serving(desk: BenchDesk) -> AsyncIterator[tuple[Hall, int]]:
             app,
             ws="websockets-sansio",
             ws_per_message_deflate=False,
+            ws_ping_interval=None,  # one ping in 20 s costs nothing; the clients do not answer it
             lifespan="off",
             log_level="error",
             timeout_graceful_shutdown=2,
