@@ -17,6 +17,7 @@ from study.warehouse.world import RobotState
 
 CELL_M = 0.6
 REACHED_M = 0.3
+ARRIVED_M = 0.1
 ASIDE_M = 1.5
 KEY_DIRECTIONS = {  # forward and left parts of the motion, relative to the view
     ("w",): (1, 0), ("s",): (-1, 0), ("a",): (0, 1), ("d",): (0, -1),
@@ -141,13 +142,9 @@ class Driver:
             ]
             path.append(min(inside, key=lambda cell: int(field[cell[1], cell[0]])))
         centres = [self.layout.cell_center_m(i, j) for i, j in path]
-        ahead = [
-            place
-            for place in centres[:2]
-            if math.dist(place, (reading.x_m, reading.y_m)) > REACHED_M
-        ]
         if len(path) == 1:
-            return ahead[0] if ahead else None
+            there = math.dist(centres[0], (reading.x_m, reading.y_m)) < ARRIVED_M
+            return None if there else centres[0]
         straight = straight_run(path)
         off_line = lateral_error(reading, centres[0], centres[1])
         return centres[0] if off_line > REACHED_M else centres[straight]
