@@ -61,10 +61,10 @@ export class Callouts {
   addBalloon(camera, eye, station, place, id) {
     const spot = this.#project(camera, eye, place.x, place.y, place.height_m - 0.78 * place.size);
     if (!spot) return;
-    const label = { x: spot.x, y: spot.y + 12, w: 104, h: 44, depth_m: spot.depth_m - 100 };
+    const label = { x: spot.x, y: spot.y + 18, w: 104, h: 44, depth_m: spot.depth_m - 100 };
     this.labels.push({ id, cell: balloonLabelCell(station), label });
     const across = (place.size * eye.height) / spot.depth_m;
-    this.labels.push({ id, cell: null, label: { x: spot.x, y: spot.y - 12 - across * 0.5, w: across, h: across, depth_m: -200 } });
+    this.labels.push({ id, cell: null, label: { x: spot.x, y: spot.y - 6 - across * 0.5, w: across, h: across, depth_m: -200 } });
   }
 
   /** Puts the collected labels on the screen. @param {number} seconds since the last frame */

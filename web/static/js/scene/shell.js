@@ -2,7 +2,7 @@
 
 import { Color, Vector3 } from "three";
 import { PANEL_HALF_M, PANEL_PITCH_M } from "./light.js";
-import { CEILING_M } from "./space.js";
+import { CEILING_M, cellY } from "./space.js";
 
 /** @typedef {import("./space.js").HallPlan} HallPlan */
 /** @typedef {import("./builder.js").MeshBuilder} MeshBuilder */
@@ -39,10 +39,12 @@ function addColumns(builder, hall) {
     const bays = Math.max(2, Math.round(length / 6));
     return Array.from({ length: bays + 1 }, (_, n) => Math.min(length - 0.12, Math.max(0.12, (n * length) / bays)));
   };
-  for (const x of along(w))
+  const nearBoard = (/** @type {number} */ x) => hall.stations.some(({ center_m }) => Math.abs(center_m[0] - x) < 1);
+  const nearHome = (/** @type {number} */ y) => hall.homes.some(([, j]) => Math.abs(cellY(j) - y) < 0.4);
+  for (const x of along(w).filter((at) => !nearBoard(at)))
     for (const y of [0.06, h - 0.06]) builder.box([x - 0.12, y - 0.06, x + 0.12, y + 0.06], 0, CEILING_M, COLUMN);
   for (const y of along(h).slice(1, -1))
-    for (const x of [0.06, w - 0.06]) builder.box([x - 0.06, y - 0.12, x + 0.06, y + 0.12], 0, CEILING_M, COLUMN);
+    for (const x of nearHome(y) ? [0.06] : [0.06, w - 0.06]) builder.box([x - 0.06, y - 0.12, x + 0.06, y + 0.12], 0, CEILING_M, COLUMN);
 }
 
 /** @param {MeshBuilder} builder @param {number} y @param {number} width_m */
