@@ -16,6 +16,8 @@ import uvicorn
 
 from server.accounts import ensure_admin
 from server.app import create_app
+from server.locations import web_root
+from server.pages.rendering import Renderer
 from server.settings import Settings
 from server.store.engine import Database, serve_alone
 from server.store.schema import check_schema, migrate
@@ -59,6 +61,7 @@ def bind(host: str, port: int) -> socket.socket:
 
 
 async def _serve(settings: Settings, studies: Sequence[Study], listener: socket.socket) -> None:
+    Renderer(web_root()).assets.check()
     app = create_app(settings, studies)
     password = await _prepare(settings)
     _announce(settings.host, listener.getsockname()[1], studies, password)

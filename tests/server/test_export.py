@@ -6,7 +6,6 @@ import asyncio
 import csv
 import hashlib
 import io
-import os
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -215,7 +214,7 @@ async def test_a_file_appears_only_when_it_is_complete(site: Site, tmp_path: Pat
     assert (await write_export(config, "demo", None, out))["trials"] == 3
     with pytest.raises(UnknownStudy):
         await write_export(config, "nope", None, tmp_path / "none.zip")
-    assert [name for name in os.listdir(tmp_path) if ".zip" in name] == ["out.zip"]
+    assert [file.name for file in tmp_path.iterdir() if ".zip" in file.name] == ["out.zip"]
 
 
 async def test_an_export_from_another_schema_is_refused(tmp_path: Path) -> None:
