@@ -28,7 +28,7 @@ from typing import Any
 from server.bench_clients import run_clients
 from server.bench_wire import measure_wire, record_walk
 from server.live.clock import SystemClock
-from server.live.compiling import choose_cache, load_kernels
+from server.live.compiling import choose_cache, load_kernels, settle_memory
 from server.live.endpoint import LiveEndpoint
 from server.live.hall import Hall
 from server.live.ports import OpenTrial, TrialBatch, TrialResult, TrialSetup
@@ -110,6 +110,7 @@ async def _measure(levels: Sequence[int], seconds: float, folder: Path) -> list[
     await migrate(database)
     setups = _make_setups(max(levels))
     await add_bench_trials(database, list(setups.values()))
+    settle_memory()
     desk = BenchDesk(StoredTrialDesk(database), setups)
     cores = sorted(os.sched_getaffinity(0))
     os.sched_setaffinity(0, {cores[0]})
