@@ -61,9 +61,10 @@ class Hall:
 
     async def stop(self) -> None:
         """Pause every trial, close every socket, store everything."""
-        for task in (*self._tasks, *self._opening.values(), self._preparing):
-            if task is not None:
-                task.cancel()
+        async with self.writer.between_commits:
+            for task in (*self._tasks, *self._opening.values(), self._preparing):
+                if task is not None:
+                    task.cancel()
         for room in self.rooms.values():
             room.shut_down(CloseCode.RESTARTING, "the server restarts; the trial is paused")
         with contextlib.suppress(asyncio.CancelledError):

@@ -23,6 +23,7 @@ class JournalWriter:
 
     One that fails again and again while others can be stored is given up, and said so.
     A finished trial is reported to the desk only after everything of it was committed.
+    Holding `between_commits` keeps it from starting a commit.
     `failing_since_s` is None while all is well, else the clock's time of the first failure.
     """
 
@@ -46,7 +47,7 @@ class JournalWriter:
         self._left_over: list[TrialBatch] = []
         self._finished: list[Room] = []
         self._failures = 0
-        self._lock = asyncio.Lock()
+        self.between_commits = asyncio.Lock()
 
     def keep(self, batch: TrialBatch | None) -> None:
         """Take over the last batch of a room that goes away."""
@@ -62,7 +63,7 @@ class JournalWriter:
 
     async def flush(self) -> bool:
         """Store everything there is now; False if the desk refused, and all is kept."""
-        async with self._lock:
+        async with self.between_commits:
             started_s = self._clock.now_s()
             try:
                 async with asyncio.timeout(COMMIT_WITHIN_S):
