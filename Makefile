@@ -48,11 +48,11 @@ fix: test-needs ## Format, and mend what the linter can mend
 	@.venv/bin/ruff check --quiet --fix .
 
 test: check ## Everything the suite needs, then the whole suite
-	@$(NODE) --test --test-reporter=dot "tests/js/**/*.test.js"
+	@$(NODE) --test --test-reporter=dot tests/js/*.test.js
 	@.venv/bin/pytest $(PYTEST)
 
 pictures: test-needs ## Draw the pictures of the README and of the explanation pages again
-	@.venv/bin/python tests/browser/make_pictures.py
+	@PYTHONPATH=. .venv/bin/python -m tests.browser.make_pictures
 
 clean: ## Remove what was installed and built, but never data under var/
 	rm -rf .venv node_modules web/static/dist .mypy_cache .ruff_cache
