@@ -65,13 +65,14 @@ def cell_of(cells: Records, x: float, y: float, stride: int) -> int:
 
 
 @kernel
-def is_clear(cells: Records, start: int, end: int, stride: int) -> bool:
-    """Say whether all cells of the rectangle spanned by two cells are free floor."""
+def is_clear(cells: Records, field: Field, start: int, end: int, stride: int) -> bool:
+    """Say whether all cells of the rectangle spanned by two cells are floor and open in `field`."""
     row_a, row_b = start // stride, end // stride
     column_a, column_b = start % stride, end % stride
     for row in range(min(row_a, row_b), max(row_a, row_b) + 1):
         for column in range(min(column_a, column_b), max(column_a, column_b) + 1):
-            if cells[row * stride + column].kind != SHARED:
+            cell = row * stride + column
+            if cells[cell].kind != SHARED or field[cell] == WALL:
                 return False
     return True
 
@@ -89,7 +90,7 @@ def aim(cells: Records, field: Field, walker: Record, start: int, stride: int) -
                 step = other
                 if (other - cell) != (cell - best):
                     break
-        if step == 0 or not is_clear(cells, start, step, stride):
+        if step == 0 or not is_clear(cells, field, start, step, stride):
             break
         cell = step
         best = step

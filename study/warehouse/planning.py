@@ -66,8 +66,10 @@ def human_allows(trial: Record, cells: Records, start: int, end: int) -> bool:
 
 @kernel
 def meets_human(trial: Record, cells: Records, path: npt.NDArray[np.int32]) -> bool:
-    """Say whether the human stands in one of the path's cells."""
-    for n in range(path.size):
+    """Say whether the human closes the path's first step, or stands in one of its further cells."""
+    if path.size > 1 and not human_allows(trial, cells, path[0], path[1]):
+        return True
+    for n in range(2, path.size):
         dx = cells[path[n]].x - trial.x
         dy = cells[path[n]].y - trial.y
         if dx * dx + dy * dy < ZONE2:
@@ -127,15 +129,13 @@ def find_way_round(
         for i in range(column - 1, column + 2):
             if human_gap2(trial, cells, j * stride + i) < ZONE2:
                 field[j * stride + i] = WALL
-    field[start] = UNREACHED
-    fill_marked(stride, routes.goals[r.goal], field, routes.queue, start)
-    if field[start] >= WALL:
-        return False
     for d in range(4):
         cell = start + neighbour_offset(d, stride)
-        if field[cell] < field[start] and human_allows(trial, cells, start, cell):
-            return True
-    return False
+        if not human_allows(trial, cells, start, cell):
+            field[cell] = WALL
+    field[start] = UNREACHED
+    fill_marked(stride, routes.goals[r.goal], field, routes.queue, start)
+    return bool(field[start] < WALL)
 
 
 @kernel
@@ -188,7 +188,7 @@ def replan(
     count = descend(field, stride, path[0], heading, path)
     r.detour = 0
     r.held_up = 0
-    if meets_human(trial, cells, path[1 : min(ahead + 1, count)]):
+    if meets_human(trial, cells, path[: min(ahead + 1, count)]):
         if find_way_round(trial, robots, cells, routes, r, stride):
             r.detour = 1
             field = routes.field
@@ -211,7 +211,7 @@ def refresh_plan(
         stale = True
     else:
         end = min(r.plan_at + 1 + LOOK_AHEAD_CELLS, r.plan_length)
-        if meets_human(trial, cells, plan[r.plan_at + 1 : end]):
+        if meets_human(trial, cells, plan[r.plan_at : end]):
             stale = age >= REPLAN_TICKS
         else:
             stale = (r.detour == 1 or r.held_up == 1) and age >= RETRY_TICKS
