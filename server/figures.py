@@ -23,6 +23,18 @@ class ServerFigures(Collector):
         for phase, number in Counter(str(room.phase) for room in self._hall.rooms.values()).items():
             rooms.add_metric([phase], number)
         yield rooms
+        lateness = GaugeMetricFamily(
+            "varil_tick_lateness_seconds", "How late ticks began.", labels=["quantile"]
+        )
+        for quantile in (0.5, 0.99):
+            late_s = self._hall.ticker.lateness.quantile_ms(quantile) / 1000
+            lateness.add_metric([str(quantile)], late_s)
+        yield lateness
+        yield GaugeMetricFamily(
+            "varil_ticks_lost_seconds",
+            "World time given up because the server could not keep pace.",
+            value=self._hall.ticker.lost_s,
+        )
         writer = self._hall.writer
         yield GaugeMetricFamily(
             "varil_commits", "Commits of journals since the start.", value=writer.commits

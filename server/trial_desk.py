@@ -182,4 +182,5 @@ def _setup(trial: TrialRecord, mode: str, policy_document: str | None) -> TrialS
         time_scale=config["time_scale"],
         on_disconnect=config["on_disconnect"],
         abandon_after_s=config["abandon_after_s"],
+        ribbon_widest_at=config["ribbon_widest_at"],
     )

@@ -130,6 +130,10 @@ INSTRUCTIONS = PageText(
                 ),
                 "Try to keep the time that robots wait as short as you can.",
                 "Robots drive around you. You cannot walk through robots, shelves or walls.",
+                (
+                    "A robot cannot leave its place at the station while you stand right in front of "
+                    "it: step aside when its box is gone."
+                ),
             ),
         ),
         Section(

@@ -149,9 +149,13 @@ def test_a_robot_near_the_human_only_moves_away() -> None:
 @pytest.mark.parametrize(("scale", "worker", "seed"), [
     ("large", "wanderer", 103), ("large", "blocker", 106), ("study", "cyclic", 122),
     ("lab", "wanderer", 118), ("small", "wanderer", 123),
+        ("large", "blocker", 9087),
+        ("large", "blocker", 9104),
 ])  # fmt: skip
-def test_a_pushed_robot_steps_aside(scale: str, worker: str, seed: int) -> None:
-    """Regression: along a wall a pushed robot was driven backwards before the other for 94 s."""
+def test_hard_seeds_go_well(scale: str, worker: str, seed: int) -> None:
+    """Regressions: a pushed robot was driven backwards along a wall for 94 s; a robot whose first
+    step the human closed did not look for a way round; a worker pressed into a parked robot.
+    """
     measures = simulate_trial(build_layout(PRESETS[scale]), seed, worker).measures
     assert measures.status == "completed"
     assert measures.longest_stall_s < 30
