@@ -29,6 +29,7 @@ from study.warehouse.state import WAITING, Floor, Motion, Record
 
 LOOK_TICKS = 30
 VISIT_CELLS = 3
+ASIDE_M = 1.3
 GOING, SERVING, THINKING = range(3)
 
 
@@ -113,11 +114,15 @@ def choose(floor: Floor, motion: Motion, memory: Memory, cell: int, keep: float)
 
 @kernel
 def serve(floor: Floor, motion: Motion, memory: Memory, walker: Record, cell: int) -> bool:
-    """Go to the nearest robot believed to wait at this station; say whether to stay here."""
+    """Go to the nearest robot believed to wait at this station, or make room for one that comes.
+
+    Returns whether to stay here.
+    """
     tick = motion.trial[0].tick
     skill = memory.skill[0]
     station = memory.mind[0].station
     best = NOWHERE
+    aside = NOWHERE
     stay = False
     for k in range(memory.beliefs.size):
         b = memory.beliefs[k]
@@ -131,8 +136,30 @@ def serve(floor: Floor, motion: Motion, memory: Memory, walker: Record, cell: in
             late = tick - b.due
             if -skill.stay_s * TICK_HZ <= late <= skill.stay_s * TICK_HZ:
                 stay = True
-    walker.goal = best
+                if best == NOWHERE and stands_before(floor, motion, b.bay):
+                    aside = nearest_shelf(floor, cell)
+    walker.goal = best if best != NOWHERE else aside
     return stay or best != NOWHERE
+
+
+@kernel
+def stands_before(floor: Floor, motion: Motion, bay: int) -> bool:
+    """Say whether the human is in the way of a robot that comes to this bay."""
+    trial = motion.trial[0]
+    place = motion.cells[floor.goals[floor.hall[0].shelves + bay, 0]]
+    dx = place.x - trial.x
+    dy = place.y - trial.y
+    return bool(dx * dx + dy * dy < ASIDE_M * ASIDE_M)
+
+
+@kernel
+def nearest_shelf(floor: Floor, cell: int) -> int:
+    """Return the nearest shelf's goal row: towards it the way leads off the bays' mouths."""
+    best = 0
+    for shelf in range(floor.hall[0].shelves):
+        if floor.fields[shelf, cell] < floor.fields[best, cell]:
+            best = shelf
+    return best
 
 
 @kernel
