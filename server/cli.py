@@ -55,6 +55,7 @@ class Worker(StrEnum):
     CYCLIC = "cyclic"
     WANDERER = "wanderer"
     BLOCKER = "blocker"
+    BELIEVER = "believer"
 
 
 class Expert(StrEnum):
@@ -152,7 +153,7 @@ def learn(
     iterations: Annotated[int, typer.Option(min=1, help="25 pairs each.")] = 240,
     seed: Annotated[int, typer.Option(min=0)] = 0,
     expert: Annotated[Expert, typer.Option(help="Who sets the boxes.")] = Expert.TABLE,
-    worker: Annotated[Worker, typer.Option(help="Who carries on the work.")] = Worker.CYCLIC,
+    worker: Annotated[Worker, typer.Option(help="Who carries on the work.")] = Worker.BELIEVER,
     pair_unit: Annotated[str, typer.Option(help="agent or snapshot.")] = "agent",
     beta: Annotated[str, typer.Option(help="linear, exponential(p) or first_only.")] = "linear",
     classifier: Annotated[

@@ -26,6 +26,7 @@ from study.learning.policy import Policy, initial_policy
 from study.learning.policy_up import PolicyUp, Version
 from study.learning.settings import PAIRS_PER_ITERATION, LearningSettings
 from study.people.learning_run import check_people, run_learning
+from study.people.parameters import parameter_version
 from study.warehouse.layout import build_layout
 
 FIRST = slice(0, 5)
@@ -48,7 +49,7 @@ class LearningOptions:
     settings: LearningSettings = field(default_factory=LearningSettings)
     scale: str = "study"
     expert: str = "table"
-    worker: str = "cyclic"
+    worker: str = "believer"
     quiet: bool = False
 
 
@@ -84,7 +85,12 @@ def describe_policy(version: Version, options: LearningOptions, own: Discrepanci
     if version.iterations == 0:
         return initial_policy(options.settings.thresholds)
     before = slice(max(0, version.iterations - 40), version.iterations)
-    people = {"scale": options.scale, "expert": options.expert, "worker": options.worker}
+    people = {
+        "scale": options.scale,
+        "expert": options.expert,
+        "worker": options.worker,
+        "people_version": parameter_version(),
+    }
     settings = options.settings.to_json()
     return Policy(
         name=f"{options.expert}-{options.settings.seed}-{version.iterations:03}",

@@ -1,7 +1,7 @@
 """`varil simulate`: many headless trials over all cores, two tables and a summary.
 
-The simulated workers here know the world itself and look at no display, so a condition changes
-nothing about what they do: it is checked and written into the rows.
+The `believer` acts on what the condition displays. The other workers know the world itself and
+look at no display: for them the condition is checked and written into the rows, no more.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ from server.kernel_cache import open_kernel_cache
 from server.policy_files import read_policy_file, shipped_policy
 from study.ar.conditions import build_condition
 from study.errors import InvalidValue
-from study.headless import HeadlessTrial, check_worker, simulate_trial
+from study.headless import HeadlessTrial, check_worker, simulate_many, simulate_trial
+from study.learning.policy import Policy
 from study.records.tables import ROBOTS, TRIALS
 from study.warehouse.layout import PRESETS, HallSpec, build_layout
 
@@ -63,7 +64,7 @@ def run_simulation(options: SimulationOptions) -> dict[str, Any]:
     open_kernel_cache()
     simulate_trial(build_layout(PRESETS["practice"]), 0, options.worker)
     started_s = time.perf_counter()
-    finished = sorted(_watch(options, spec, console), key=lambda trial: trial.seed)
+    finished = sorted(_watch(options, spec, policy, console), key=lambda trial: trial.seed)
     wall_s = time.perf_counter() - started_s
     _write_tables(options, spec, policy.sha256 if policy else "", finished)
     return summarize(finished, options.seed, wall_s)
@@ -97,37 +98,44 @@ def summarize(finished: list[HeadlessTrial], seed: int, wall_s: float) -> dict[s
     }
 
 
-def _run_batch(spec: HallSpec, seeds: list[int], worker: str) -> list[HeadlessTrial]:
+def _run_batch(
+    spec: HallSpec, seeds: list[int], worker: str, condition: str, policy: Policy | None
+) -> list[HeadlessTrial]:
     """Run some trials in a worker process; the code that the parent compiled is only loaded."""
     open_kernel_cache()
     layout = build_layout(spec)
     simulate_trial(build_layout(PRESETS["practice"]), 0, worker)
-    return [simulate_trial(layout, seed, worker) for seed in seeds]
+    return list(simulate_many(layout, seeds, worker, condition, policy))
 
 
-def _results(options: SimulationOptions, spec: HallSpec) -> Iterator[list[HeadlessTrial]]:
+def _results(
+    options: SimulationOptions, spec: HallSpec, policy: Policy | None
+) -> Iterator[list[HeadlessTrial]]:
     seeds = [options.seed + n for n in range(options.trials)]
     processes = min(options.workers, options.trials)
     size = max(1, min(LARGEST_BATCH, -(-options.trials // (4 * processes))))
     batches = [seeds[n : n + size] for n in range(0, len(seeds), size)]
-    jobs = (delayed(_run_batch)(spec, batch, options.worker) for batch in batches)
+    what = (options.worker, options.condition, policy)
+    jobs = (delayed(_run_batch)(spec, batch, *what) for batch in batches)
     run = Parallel(n_jobs=processes, backend="loky", return_as="generator_unordered")
     yield from run(jobs)
 
 
-def _watch(options: SimulationOptions, spec: HallSpec, console: Console) -> Iterator[HeadlessTrial]:
+def _watch(
+    options: SimulationOptions, spec: HallSpec, policy: Policy | None, console: Console
+) -> Iterator[HeadlessTrial]:
     """Yield the finished trials; show a bar on a terminal, else a line now and then."""
     if console.is_terminal:
         columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
         with Progress(*columns, TimeRemainingColumn(), console=console) as progress:
             bar = progress.add_task(f"{options.scale}, {options.worker}", total=options.trials)
-            for batch in _results(options, spec):
+            for batch in _results(options, spec, policy):
                 progress.advance(bar, len(batch))
                 yield from batch
         return
     done = 0
     told_s = time.perf_counter()
-    for batch in _results(options, spec):
+    for batch in _results(options, spec, policy):
         done += len(batch)
         if done == options.trials or time.perf_counter() - told_s >= LINE_EVERY_S:
             told_s = time.perf_counter()

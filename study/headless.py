@@ -9,11 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from study.ar.conditions import PolicyTables
+from study.ar.display_kernels import new_shown
 from study.errors import InvalidValue
 from study.people.patrols import PATROLS, Patrol
+from study.people.worker import BELIEVER, Believer
 from study.warehouse.layout import Layout
 from study.warehouse.measures import TrialMeasures
 from study.warehouse.world import World
+
+WORKERS = (*PATROLS, BELIEVER)
 
 
 @dataclass(frozen=True)
@@ -33,34 +38,49 @@ class HeadlessTrial:
 
 def check_worker(name: str) -> str:
     """Return the worker's name. Errors: InvalidValue naming those that exist."""
-    if name not in PATROLS:
+    if name not in WORKERS:
         raise InvalidValue(
-            f"there is no worker “{name[:40]}”", next_step=f"Use one of: {', '.join(PATROLS)}."
+            f"there is no worker “{name[:40]}”", next_step=f"Use one of: {', '.join(WORKERS)}."
         )
     return name
 
 
 def simulate_trial(
-    layout: Layout, seed: int, worker: str, *, keep_inputs: bool = False
+    layout: Layout,
+    seed: int,
+    worker: str,
+    *,
+    condition: str = "none",
+    policy: PolicyTables | None = None,
+    keep_inputs: bool = False,
 ) -> HeadlessTrial:
-    """Run one trial to its end. The same layout, seed and worker give the same bits.
+    """Run one trial to its end. The same arguments give the same bits.
 
-    Errors: InvalidValue for an unknown worker.
+    Only the believer looks at the display that `condition` shows; `varil` needs its policy.
+    Errors: InvalidValue for an unknown worker, UnknownCondition.
     """
     check_worker(worker)
     started_s = time.process_time()
     world = World(layout, seed)
-    patrol = Patrol(worker, world.floor, world.motion, seed)
     most = int(world.floor.hall["cap_ticks"][0]) if keep_inputs else 0
     record = np.zeros((most, 2), dtype=np.int32)
-    ticks = patrol.run(record)
+    if worker == BELIEVER:
+        ticks = Believer(world, seed).run(new_shown(layout, condition, policy), record)
+    else:
+        ticks = Patrol(worker, world.floor, world.motion, seed).run(record)
     measures = world.measures()
     cpu_s = time.process_time() - started_s
     inputs = record[:ticks] if keep_inputs else None
     return HeadlessTrial(seed, worker, measures, world.state_hash(), inputs, cpu_s)
 
 
-def simulate_many(layout: Layout, seeds: Sequence[int], worker: str) -> Iterator[HeadlessTrial]:
+def simulate_many(
+    layout: Layout,
+    seeds: Sequence[int],
+    worker: str,
+    condition: str = "none",
+    policy: PolicyTables | None = None,
+) -> Iterator[HeadlessTrial]:
     """Run one trial per seed, one after the other."""
     for seed in seeds:
-        yield simulate_trial(layout, seed, worker)
+        yield simulate_trial(layout, seed, worker, condition=condition, policy=policy)

@@ -56,10 +56,10 @@ class Shown(NamedTuple):
 def new_shown(layout: Layout, condition: str, policy: PolicyTables | None) -> Shown:
     """Return the display of a trial before its first decision.
 
-    Errors: UnknownCondition; a condition other than the constant ones needs its policy.
+    Errors: UnknownCondition, also for `varil` without its policy.
     """
-    if policy is None and condition not in CONSTANT:
-        raise UnknownCondition(condition, tuple(CONSTANT))
+    if condition not in CONSTANT and (policy is None or condition != "varil"):
+        raise UnknownCondition(condition, (*CONSTANT, "varil with its policy"))
     robots, stations = layout.spec.robots, len(layout.stations)
     mask, balloon, overlays = CONSTANT.get(condition, (0, 0, 0))
     use = condition not in CONSTANT

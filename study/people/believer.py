@@ -144,7 +144,7 @@ def serve(floor: Floor, motion: Motion, memory: Memory, walker: Record, cell: in
 
 @kernel
 def stands_before(floor: Floor, motion: Motion, bay: int) -> bool:
-    """Say whether the human is in the way of a robot that comes to this bay."""
+    """Say whether the human is in the way of a robot that comes to this bay or leaves it."""
     trial = motion.trial[0]
     place = motion.cells[floor.goals[floor.hall[0].shelves + bay, 0]]
     dx = place.x - trial.x
@@ -199,13 +199,19 @@ def arrive(motion: Motion, memory: Memory) -> None:
 def think(
     floor: Floor, motion: Motion, memory: Memory, shown: Shown, walker: Record, cell: int
 ) -> None:
-    """Go on with what the worker is about: walking, serving, or making up its mind."""
+    """Go on with what the worker is about: walking, serving, or making up its mind.
+
+    While it does the last it steps off the bays' mouths, so that robots can leave.
+    """
     mind = memory.mind[0]
     skill = memory.skill[0]
     tick = motion.trial[0].tick
     hall = floor.hall[0]
     if mind.phase == THINKING:
         walker.goal = NOWHERE
+        for bay in range(mind.station * hall.bays, (mind.station + 1) * hall.bays):
+            if stands_before(floor, motion, bay):
+                walker.goal = nearest_shelf(floor, cell)
         if tick < mind.until:
             return
         choose(floor, motion, memory, cell, 0.0)

@@ -15,6 +15,7 @@ from study.learning.policy_up import PolicyUp, stream_seed
 from study.learning.settings import LearningSettings
 from study.people.patrols import PATROLS, Patrol
 from study.people.table_expert import TableExpert
+from study.people.worker import BELIEVER, Believer
 from study.warehouse.layout import Layout
 from study.warehouse.world import World
 
@@ -51,7 +52,7 @@ class UnseeingWorker:
         return self._patrol.next_frame()
 
 
-WORKERS = PATROLS
+WORKERS = (*PATROLS, BELIEVER)
 EXPERTS: Mapping[str, Callable[[int], Expert]] = MappingProxyType(
     {"table": lambda seed: TableExpert()}
 )
@@ -59,7 +60,7 @@ EXPERTS: Mapping[str, Callable[[int], Expert]] = MappingProxyType(
 
 def new_worker(name: str, world: World, seed: int) -> Worker:
     """Return the worker of this name for one trial."""
-    return UnseeingWorker(name, world, seed)
+    return Believer(world, seed) if name == BELIEVER else UnseeingWorker(name, world, seed)
 
 
 def check_people(worker: str, expert: str) -> None:
