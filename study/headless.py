@@ -17,7 +17,7 @@ from study.warehouse.world import World
 
 @dataclass(frozen=True)
 class HeadlessTrial:
-    """One simulated trial. `inputs`: int32[ticks, 2] keys and yaw of each tick, or None if unasked."""
+    """One simulated trial. `inputs`: int32[ticks, 2], keys and yaw per tick, or None if unasked."""
 
     seed: int
     worker: str
