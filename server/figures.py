@@ -33,7 +33,7 @@ class ServerFigures(Collector):
         yield GaugeMetricFamily(
             "varil_ticks_lost_seconds",
             "World time given up because the server could not keep pace.",
-            value=self._hall.ticker.lost_s,
+            value=self._hall.ticker.lateness.lost_s,
         )
         writer = self._hall.writer
         yield GaugeMetricFamily(

@@ -7,6 +7,7 @@ addresses are printed before the socket accepts.
 from __future__ import annotations
 
 import asyncio
+import logging
 import socket
 import sys
 from collections.abc import Sequence
@@ -39,6 +40,8 @@ class PortInUse(StudyError):
 
 def serve(settings: Settings, studies: Sequence[Study]) -> None:
     """Serve until stopped. Raises StudyError for everything the caller can mend."""
+    logging.basicConfig(level=logging.WARNING, format="%(message)s")
+    logging.getLogger("server").setLevel(logging.INFO)
     with closing(bind(settings.host, settings.port)) as listener:
         runner = asyncio.Runner(loop_factory=_loop_factory())
         with runner:

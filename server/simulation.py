@@ -64,10 +64,20 @@ def run_simulation(options: SimulationOptions) -> dict[str, Any]:
     open_kernel_cache()
     simulate_trial(build_layout(PRESETS["practice"]), 0, options.worker)
     started_s = time.perf_counter()
-    finished = sorted(_watch(options, spec, policy, console), key=lambda trial: trial.seed)
+    batches = list(_watch(options, spec, policy, console))
     wall_s = time.perf_counter() - started_s
+    finished = sorted((t for batch in batches for t in batch.trials), key=lambda t: t.seed)
     _write_tables(options, spec, policy.sha256 if policy else "", finished)
-    return summarize(finished, options.seed, wall_s)
+    cpu_s = sum(batch.cpu_s for batch in batches)
+    return summarize(finished, options.seed, wall_s, cpu_s)
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Trials that one process ran one after the other, and the processor time they took."""
+
+    trials: list[HeadlessTrial]
+    cpu_s: float
 
 
 def choose_scale(name: str) -> HallSpec:
@@ -79,11 +89,12 @@ def choose_scale(name: str) -> HallSpec:
     return PRESETS[name]
 
 
-def summarize(finished: list[HeadlessTrial], seed: int, wall_s: float) -> dict[str, Any]:
+def summarize(
+    finished: list[HeadlessTrial], seed: int, wall_s: float, cpu_s: float
+) -> dict[str, Any]:
     """Return the figures of a run, with the keys that `--json` promises."""
     measures = [trial.measures for trial in finished]
     steps = sum(m.ticks for m in measures)
-    cpu_s = sum(trial.cpu_s for trial in finished)
     return {
         "trials": len(finished),
         "completed": sum(m.status == "completed" for m in measures),
@@ -100,17 +111,17 @@ def summarize(finished: list[HeadlessTrial], seed: int, wall_s: float) -> dict[s
 
 def _run_batch(
     spec: HallSpec, seeds: list[int], worker: str, condition: str, policy: Policy | None
-) -> list[HeadlessTrial]:
+) -> Batch:
     """Run some trials in a worker process; the code that the parent compiled is only loaded."""
     open_kernel_cache()
     layout = build_layout(spec)
     simulate_trial(build_layout(PRESETS["practice"]), 0, worker)
-    return list(simulate_many(layout, seeds, worker, condition, policy))
+    started_s = time.process_time()
+    trials = list(simulate_many(layout, seeds, worker, condition, policy))
+    return Batch(trials, time.process_time() - started_s)
 
 
-def _results(
-    options: SimulationOptions, spec: HallSpec, policy: Policy | None
-) -> Iterator[list[HeadlessTrial]]:
+def _results(options: SimulationOptions, spec: HallSpec, policy: Policy | None) -> Iterator[Batch]:
     seeds = [options.seed + n for n in range(options.trials)]
     processes = min(options.workers, options.trials)
     size = max(1, min(LARGEST_BATCH, -(-options.trials // (4 * processes))))
@@ -123,24 +134,24 @@ def _results(
 
 def _watch(
     options: SimulationOptions, spec: HallSpec, policy: Policy | None, console: Console
-) -> Iterator[HeadlessTrial]:
+) -> Iterator[Batch]:
     """Yield the finished trials; show a bar on a terminal, else a line now and then."""
     if console.is_terminal:
         columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
         with Progress(*columns, TimeRemainingColumn(), console=console) as progress:
             bar = progress.add_task(f"{options.scale}, {options.worker}", total=options.trials)
             for batch in _results(options, spec, policy):
-                progress.advance(bar, len(batch))
-                yield from batch
+                progress.advance(bar, len(batch.trials))
+                yield batch
         return
     done = 0
     told_s = time.perf_counter()
     for batch in _results(options, spec, policy):
-        done += len(batch)
+        done += len(batch.trials)
         if done == options.trials or time.perf_counter() - told_s >= LINE_EVERY_S:
             told_s = time.perf_counter()
             console.print(f"{done} of {options.trials} trials")
-        yield from batch
+        yield batch
 
 
 def _write_tables(

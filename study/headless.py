@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -23,17 +22,13 @@ WORKERS = (*PATROLS, BELIEVER)
 
 @dataclass(frozen=True)
 class HeadlessTrial:
-    """One simulated trial. `inputs`: int32[ticks, 2] keys and yaw of each tick, or None if unasked.
-
-    `cpu_s`: process time that the trial took, rows of measures included.
-    """
+    """One simulated trial. `inputs`: int32[ticks, 2], keys and yaw per tick, or None if unasked."""
 
     seed: int
     worker: str
     measures: TrialMeasures
     state_hash: bytes
     inputs: npt.NDArray[np.int32] | None
-    cpu_s: float
 
 
 def check_worker(name: str) -> str:
@@ -60,7 +55,6 @@ def simulate_trial(
     Errors: InvalidValue for an unknown worker, UnknownCondition.
     """
     check_worker(worker)
-    started_s = time.process_time()
     world = World(layout, seed)
     most = int(world.floor.hall["cap_ticks"][0]) if keep_inputs else 0
     record = np.zeros((most, 2), dtype=np.int32)
@@ -69,9 +63,8 @@ def simulate_trial(
     else:
         ticks = Patrol(worker, world.floor, world.motion, seed).run(record)
     measures = world.measures()
-    cpu_s = time.process_time() - started_s
     inputs = record[:ticks] if keep_inputs else None
-    return HeadlessTrial(seed, worker, measures, world.state_hash(), inputs, cpu_s)
+    return HeadlessTrial(seed, worker, measures, world.state_hash(), inputs)
 
 
 def simulate_many(

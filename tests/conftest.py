@@ -20,11 +20,11 @@ from sqlalchemy.ext.asyncio import create_async_engine
 from starlette.testclient import TestClient
 
 from server.app import create_app
+from server.kernel_cache import use_kernel_cache
 from server.settings import Settings
 from server.store.engine import Database
 from server.store.schema import migrate
 from study.config import Study, paper_study
-from study.warehouse.kernels import use_kernel_cache
 
 # Compiled code is kept between runs and shared by the whole suite, its subprocesses included.
 KERNELS = Path(__file__).parent.parent / "var" / "kernels"

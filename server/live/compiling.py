@@ -14,6 +14,8 @@ import sys
 import time
 from pathlib import Path
 
+from server.kernel_cache import use_kernel_cache
+
 logger = logging.getLogger(__name__)
 
 COMPLETE = ".complete"
@@ -26,8 +28,6 @@ _PROGRAM = (
 
 def choose_cache(folder: Path) -> Path | None:
     """The folder that keeps the machine code of just these sources; None if not writable."""
-    from study.warehouse.kernels import use_kernel_cache
-
     try:
         return use_kernel_cache(folder)
     except OSError as problem:
@@ -67,6 +67,7 @@ async def prepare_kernels(folder: Path) -> None:
     started_s = time.perf_counter()
     place = await asyncio.to_thread(choose_cache, folder)
     if place is not None and not (place / COMPLETE).exists():
+        logger.info("Compiling the warehouse for this machine, once; pages answer meanwhile ...")
         process = await asyncio.create_subprocess_exec(sys.executable, "-c", _PROGRAM, str(folder))
         try:
             await process.wait()
@@ -75,4 +76,4 @@ async def prepare_kernels(folder: Path) -> None:
                 process.kill()
     await asyncio.to_thread(load_kernels, place)
     settle_memory()
-    logger.info("the world is ready after %.1f s", time.perf_counter() - started_s)
+    logger.info("The warehouse is ready (%.1f s).", time.perf_counter() - started_s)

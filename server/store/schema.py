@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from alembic import command
-from alembic.config import Config
-from alembic.migration import MigrationContext
-from alembic.script import ScriptDirectory
-from sqlalchemy import Connection
+from typing import TYPE_CHECKING
+
+from sqlalchemy import Connection, inspect, text
 
 from server.locations import migrations_root
 from server.store.engine import Database
 from study.errors import StudyError
+
+if TYPE_CHECKING:  # loaded only when there is something to migrate: it costs every start otherwise
+    from alembic.config import Config
+    from alembic.script import ScriptDirectory
+
+CURRENT = "0001"
+"""The newest revision below migrations/versions; a test holds the two equal."""
 
 
 class SchemaMismatch(StudyError):
@@ -58,13 +63,14 @@ async def read_versions(database: Database) -> tuple[str | None, str]:
     """The database's version (None: empty) and the one this software needs."""
     async with database.reading() as session:
         connection = await session.connection()
-        found = await connection.run_sync(
-            lambda sync: MigrationContext.configure(sync).get_current_revision()
-        )
-    wanted = _scripts().get_current_head()
-    if wanted is None:
-        raise RuntimeError("the folder with the migrations is empty; install the software again")
-    return found, wanted
+        return await connection.run_sync(_stored_version), CURRENT
+
+
+def _stored_version(connection: Connection) -> str | None:
+    """What Alembic wrote into its table; None if there is no such table or row."""
+    if not inspect(connection).has_table("alembic_version"):
+        return None
+    return connection.execute(text("SELECT version_num FROM alembic_version")).scalar()
 
 
 def _refuse_newer(found: str | None, wanted: str) -> None:
@@ -74,16 +80,22 @@ def _refuse_newer(found: str | None, wanted: str) -> None:
 
 
 def _upgrade(connection: Connection) -> None:
+    from alembic import command
+
     config = _config()
     config.attributes["connection"] = connection
     command.upgrade(config, "head")
 
 
 def _scripts() -> ScriptDirectory:
+    from alembic.script import ScriptDirectory
+
     return ScriptDirectory.from_config(_config())
 
 
 def _config() -> Config:
+    from alembic.config import Config
+
     config = Config()
     config.set_main_option("script_location", str(migrations_root()).replace("%", "%%"))
     return config

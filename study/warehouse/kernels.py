@@ -1,18 +1,14 @@
-"""The decorator of every compiled function, and the folder that keeps their machine code.
+"""The decorator of every compiled function.
 
 A compiled function is cached on disk under its own source file only: a change in a function that it
 calls, in another file, would go unseen and the old machine code would go on answering. So all code
-lives in one folder named by a hash of *all* kernel sources and of the compiler's versions, chosen
-by `use_kernel_cache`. Nothing here touches a file before that call: without it, functions are
-compiled anew in each process.
+lives in one folder named by a hash of *all* kernel sources and of the compiler's versions; without
+such a folder, functions are compiled anew in each process.
 """
 
 from __future__ import annotations
 
-import hashlib
-import importlib.metadata
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
@@ -24,7 +20,7 @@ KERNEL_PACKAGES = ("warehouse", "ar", "people")
 """
 
 _kernels: list[Any] = []
-_folder: list[Path] = []
+_folder: list[str] = []
 
 
 def kernel(function: F) -> F:
@@ -42,33 +38,13 @@ def kernel(function: F) -> F:
     return cast(F, dispatcher)
 
 
-def kernel_digest() -> str:
-    """Return 16 hex digits over all kernel sources and the versions that turn them into code."""
-    digest = hashlib.sha256()
-    root = Path(__file__).resolve().parent.parent
-    for package in KERNEL_PACKAGES:
-        for source in sorted((root / package).glob("*.py")):
-            digest.update(f"{package}/{source.name}\0".encode())
-            digest.update(source.read_bytes())
-    for library in ("numba", "llvmlite", "numpy"):
-        digest.update(f"\0{library} {importlib.metadata.version(library)}".encode())
-    return digest.hexdigest()[:16]
-
-
-def use_kernel_cache(folder: Path) -> Path:
-    """Keep compiled code under `folder`, in a subfolder named by `kernel_digest`; return that.
+def keep_compiled_code(folder: str) -> None:
+    """Load machine code from `folder` and store it there, from now on.
 
     Call it once per process, before the first world is made; a function compiled earlier stays as
-    it is. The folder is made if missing.
-
-    Errors: OSError if the folder cannot be made or written to.
+    it is. The folder must hold code of these very sources only; `server.kernel_cache` sees to that.
     """
-    place = folder / kernel_digest()
-    place.mkdir(parents=True, exist_ok=True)
-    probe = place / ".writable"
-    probe.touch()
-    numba.config.CACHE_DIR = str(place)  # type: ignore[attr-defined]
-    _folder[:] = [place]
+    numba.config.CACHE_DIR = folder  # type: ignore[attr-defined]
+    _folder[:] = [folder]
     for dispatcher in _kernels:
         dispatcher.enable_caching()
-    return place

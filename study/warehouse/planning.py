@@ -28,6 +28,10 @@ STOP2 = 0.506 * 0.506
 LOOK_AHEAD_CELLS = 8
 REPLAN_TICKS = 10
 RETRY_TICKS = 30
+REST_TICKS = 15
+"""Only a human who has stayed within 0.3 m for so long is driven round. One who walks is let pass:
+a robot that gives way to a walker coming after it is herded along, however far that leads."""
+
 PINNED_TICKS = 45
 
 
@@ -189,7 +193,8 @@ def replan(
     r.detour = 0
     r.held_up = 0
     if meets_human(trial, cells, path[: min(ahead + 1, count)]):
-        if find_way_round(trial, robots, cells, routes, r, stride):
+        at_rest = trial.rest_ticks >= REST_TICKS
+        if at_rest and find_way_round(trial, robots, cells, routes, r, stride):
             r.detour = 1
             field = routes.field
         else:

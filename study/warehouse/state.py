@@ -57,6 +57,7 @@ TRIAL = np.dtype(
         ("tick", "i4"), ("status", "i4"), ("delivered", "i4"), ("tasks_given", "i4"),
         ("home", "i4"), ("events", "i4"), ("legs", "i4"), ("still_ticks", "i4"), ("contact", "i4"),
         ("overlaps", "i4"), ("yaw", "u2"), ("x", "f8"), ("y", "f8"), ("path_m", "f8"),
+        ("rest_x", "f8"), ("rest_y", "f8"), ("rest_ticks", "i4"),
     ],
     align=True,
 )  # fmt: skip

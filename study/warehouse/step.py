@@ -32,6 +32,7 @@ from study.warehouse.state import (
 )
 
 ROBOTS_APART2 = 0.4 * 0.4
+REST_M = 0.3
 HUMAN_APART2 = 0.5 * 0.5
 
 
@@ -115,6 +116,13 @@ def step_world(floor: Floor, motion: Motion, frames: npt.NDArray[np.int32], coun
         move_human(floor, motion, frames[n, 0], frames[n, 1])
     if trial.path_m == path_before_m:
         trial.still_ticks += 1
+    dx = trial.x - trial.rest_x
+    dy = trial.y - trial.rest_y
+    trial.rest_ticks += 1
+    if dx * dx + dy * dy > REST_M * REST_M:
+        trial.rest_x = trial.x
+        trial.rest_y = trial.y
+        trial.rest_ticks = 0
     for k in range(motion.robots.size):
         if something_ends(trial, hall, motion.robots[k], floor.fields, floor.stations):
             change_state(floor, motion, k)

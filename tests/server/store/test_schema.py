@@ -6,9 +6,12 @@ from pathlib import Path
 
 import pytest
 from alembic.autogenerate import compare_metadata
+from alembic.config import Config
 from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, text
 
+from server.locations import migrations_root
 from server.store.engine import (
     Database,
     DatabaseInUse,
@@ -17,7 +20,7 @@ from server.store.engine import (
     async_url,
     serve_alone,
 )
-from server.store.schema import SchemaMismatch, check_schema, migrate, read_versions
+from server.store.schema import CURRENT, SchemaMismatch, check_schema, migrate, read_versions
 from server.store.tables import Base
 
 
@@ -28,6 +31,13 @@ async def test_migrations_make_exactly_the_tables_of_the_code(database: Database
 
     async with database.engine.connect() as connection:
         assert await connection.run_sync(differences) == []
+
+
+def test_the_version_in_the_code_is_the_newest_revision() -> None:
+    """The constant spares every start the loading of the migration tool."""
+    config = Config()
+    config.set_main_option("script_location", str(migrations_root()))
+    assert ScriptDirectory.from_config(config).get_current_head() == CURRENT
 
 
 async def test_an_empty_database_is_refused_then_migrated_then_accepted(empty_url: str) -> None:

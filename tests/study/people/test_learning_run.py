@@ -109,3 +109,16 @@ def test_unknown_people_are_named() -> None:
         run_learning(LearningSettings(), layout, "cyclic", "oracle")
     with pytest.raises(InvalidValue, match="no classifier"):
         run_learning(LearningSettings(classifier="forest"), layout, "cyclic", "table")
+
+
+def test_a_run_with_the_believer_repeats_itself() -> None:
+    """The worker who looks at the learned display closes the loop, and still to the bit."""
+    settings = LearningSettings(iterations=12, seed=9)
+    runs = [
+        run_learning(settings, build_layout(PRESETS["small"]), "believer", "table")
+        for _ in range(2)
+    ]
+    assert runs[0].versions == runs[1].versions
+    assert runs[0].dataset.pairs == runs[1].dataset.pairs
+    other = run_learning(settings, build_layout(PRESETS["small"]), "cyclic", "table")
+    assert other.dataset.pairs != runs[0].dataset.pairs

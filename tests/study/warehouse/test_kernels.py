@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 import study
+from server.kernel_cache import kernel_digest
 from study.headless import simulate_trial
-from study.warehouse.kernels import kernel, kernel_digest
+from study.warehouse.kernels import kernel
 from study.warehouse.layout import PRESETS, build_layout
 
 ROOT = Path(study.__file__).parent.parent
@@ -20,7 +21,7 @@ CACHE = ROOT / "var" / "kernels"
 
 RUN_TRIAL = """
 import sys, pathlib
-from study.warehouse.kernels import use_kernel_cache
+from server.kernel_cache import use_kernel_cache
 use_kernel_cache(pathlib.Path(sys.argv[1]))
 from study.headless import simulate_trial
 from study.warehouse.layout import PRESETS, build_layout
@@ -51,6 +52,9 @@ def test_an_edited_callee_is_seen_by_its_callers(tmp_path: Path) -> None:
     """Guards against stale code: the caller's own file stays, its callee's result changes."""
     copy = tmp_path / "copy"
     shutil.copytree(ROOT / "study", copy / "study", ignore=shutil.ignore_patterns("__pycache__"))
+    (copy / "server").mkdir()
+    for name in ("__init__.py", "kernel_cache.py"):
+        shutil.copy(ROOT / "server" / name, copy / "server" / name)
     routes = copy / "study" / "warehouse" / "routes.py"
     routes.write_text(routes.read_text() + CALLEE)
     caller = copy / "study" / "people" / "caller.py"
@@ -80,7 +84,7 @@ def ask() -> int:
 '''
 PROGRAM = """
 import sys, pathlib
-from study.warehouse.kernels import use_kernel_cache
+from server.kernel_cache import use_kernel_cache
 use_kernel_cache(pathlib.Path(sys.argv[1]))
 from study.people.caller import ask
 print(ask())
