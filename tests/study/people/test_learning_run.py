@@ -38,7 +38,7 @@ def _kernels(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_table_is_learned(seed: int, tmp_path: Path) -> None:
     """The paper's size: 6000 pairs, nearly no difference at the end, neither all nor nothing."""
     options = LearningOptions(
-        tmp_path, LearningSettings(seed=seed), expert="table", worker="cyclic", quiet=True
+        tmp_path, LearningSettings(seed=seed), expert="table", worker="believer", quiet=True
     )
     summary = learn(options)
     assert list(summary) == SUMMARY
@@ -77,7 +77,7 @@ def test_the_same_seed_gives_the_same_files_in_another_process(tmp_path: Path) -
     settings = LearningSettings(iterations=20, seed=77)
     learn(LearningOptions(tmp_path / "here", settings, scale="small", quiet=True))
     words = ["learn", "--iterations", "20", "--seed", "77", "--scale", "small", "--json"]
-    people = ["--expert", "table", "--worker", "cyclic", "--out", str(tmp_path / "there")]
+    people = ["--expert", "table", "--worker", "believer", "--out", str(tmp_path / "there")]
     done = subprocess.run(
         [sys.executable, "-c", "from server.cli import main; main()", *words, *people],
         cwd=ROOT,
