@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from pydantic import ValidationError
 
-from study.errors import StudyError
+from study.errors import InvalidValue, NotFound, StudyError, UnknownStudy
 
 if TYPE_CHECKING:
     from server.settings import Settings
@@ -114,7 +114,7 @@ def simulate(
     scale: Scale = Scale.STUDY,
     worker: Worker = Worker.CYCLIC,
     trials: Annotated[int, typer.Option(min=1)] = 10,
-    seed: Annotated[int, typer.Option(min=0)] = 0,
+    seed: Annotated[int, typer.Option(min=0, max=2**53)] = 0,
     workers: Annotated[
         int | None, typer.Option(min=1, help="Processes; default all cores.")
     ] = None,
@@ -123,6 +123,10 @@ def simulate(
     """Run trials headless with a simulated worker, on all cores."""
     from server.simulation import SimulationOptions, run_simulation
 
+    if policy is not None and condition != "varil":
+        raise typer.BadParameter(
+            f"the condition {condition} follows no policy", param_hint="--policy"
+        )
     summary = run_simulation(
         SimulationOptions(
             condition=condition,
@@ -151,6 +155,7 @@ def export(
     from server.export import write_export
 
     settings = read_settings(database_url=database_url)
+    require_database(settings)
     counts = asyncio.run(write_export(settings, study, mode.value if mode else None, out))
     report({"file": str(out), **counts}, as_json)
 
@@ -186,9 +191,29 @@ def add_user(
 
 def read_settings(**given: Any) -> Settings:
     """Settings from the environment, with what the command line gave on top."""
+    from pydantic_settings import SettingsError
+
     from server.settings import Settings
 
-    return Settings(**{name: value for name, value in given.items() if value is not None})
+    try:
+        return Settings(**{name: value for name, value in given.items() if value is not None})
+    except SettingsError as error:
+        raise InvalidValue(
+            f"the environment cannot be read ({error})",
+            next_step='Lists are written as JSON, as in VARIL_ALLOWED_ORIGINS=["https://a.example"].',
+        ) from error
+
+
+def require_database(settings: Settings) -> None:
+    """Raise `NotFound` where a SQLite file does not exist yet: reading verbs make none."""
+    from server.store.engine import sqlite_file
+
+    file = sqlite_file(settings.database)
+    if file is not None and not file.is_file():
+        raise NotFound(
+            f"there is no database at {file}",
+            next_step="Run this where `varil serve` runs, or give --database-url.",
+        )
 
 
 def report(summary: dict[str, Any], as_json: bool) -> None:
@@ -206,12 +231,34 @@ def main() -> None:
     sys.exit(run_command(app))
 
 
+def explain(error: StudyError) -> str:
+    """The error's sentence, worded for whoever runs the server where pages word it for others."""
+    from server.store.engine import StorageAway
+
+    if isinstance(error, UnknownStudy):
+        return f"there is no study “{error.study_id}” in this database. Check --study."
+    if isinstance(error, StorageAway):
+        return (
+            f"the database does not answer ({error.__cause__ or 'no reason given'}). "
+            "Check that it runs and that VARIL_DATABASE_URL names it."
+        )
+    return error.sentence
+
+
 def run_command(command: Callable[..., Any]) -> int:
     """Run a command and return its exit code."""
     try:
         command(standalone_mode=True)
     except StudyError as error:
-        typer.echo(f"varil: {error.sentence}", err=True)
+        typer.echo(f"varil: {explain(error)}", err=True)
+        return 1
+    except OSError as error:
+        place = f" {error.filename}" if error.filename else ""
+        typer.echo(
+            f"varil: cannot use{place} ({error.strerror or error}). "
+            "Choose another place, or mend its permissions.",
+            err=True,
+        )
         return 1
     except ValidationError as error:
         for problem in error.errors():

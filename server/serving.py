@@ -76,7 +76,9 @@ async def _serve(settings: Settings, studies: Sequence[Study], listener: socket.
         log_level="warning",
         access_log=False,
         server_header=False,
-        proxy_headers=False,
+        log_config=None,
+        proxy_headers=bool(settings.trusted_proxy),
+        forwarded_allow_ips=settings.trusted_proxy,
         timeout_graceful_shutdown=5,
     )
     await uvicorn.Server(config).serve(sockets=[listener])
