@@ -31,6 +31,7 @@ from server.live.clock import SystemClock
 from server.live.compiling import choose_cache, load_kernels, settle_memory
 from server.live.endpoint import LiveEndpoint
 from server.live.hall import Hall
+from server.live.line import LineProtocol
 from server.live.ports import OpenTrial, TrialBatch, TrialResult, TrialSetup
 from server.live.ticker import Lateness
 from server.policy_files import shipped_policy
@@ -174,7 +175,7 @@ async def _serving(desk: BenchDesk) -> AsyncIterator[tuple[Hall, int]]:
         listener.listen(1024)
         config = uvicorn.Config(
             app,
-            ws="websockets-sansio",
+            ws=LineProtocol,
             ws_per_message_deflate=False,
             ws_ping_interval=None,  # one ping in 20 s costs nothing; the clients do not answer it
             lifespan="off",
