@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import time
 from collections.abc import Awaitable, Callable, Mapping, MutableMapping
 from typing import Any, Protocol
 
@@ -207,7 +208,7 @@ class Session:
                 room.take_context(message)
 
     def _check_rate(self) -> None:
-        now_s = asyncio.get_running_loop().time()
+        now_s = time.perf_counter()
         gained = (now_s - self._allowance_s) * MESSAGES_PER_S
         self._allowance = min(MESSAGES_BURST, self._allowance + gained) - 1.0
         self._allowance_s = now_s

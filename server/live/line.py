@@ -18,10 +18,19 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 from websockets.frames import Frame, Opcode
 from websockets.http11 import Request
 
+try:
+    from websockets.speedups import apply_mask
+except ImportError:
+    from websockets.utils import apply_mask
+
 EXTENSION = "varil.line"
 KERNEL_BUFFER_BYTES = 16384
 UNSENT_BYTES = 2048
 SHORT = 126
+MASKED = 128
+FRAME_HEAD = 6  # two bytes and the mask, for a short frame of a client
+BINARY_FRAME = 0x82
+WHOLE_FRAMES = (BINARY_FRAME, 0x81, 0x88, 0x89, 0x8A)  # text, close, ping, pong
 _HEADS = {
     opcode: tuple(bytes((0x80 | opcode, length)) for length in range(SHORT))
     for opcode in (Opcode.TEXT, Opcode.BINARY)
@@ -54,6 +63,7 @@ class LineProtocol(WebSocketsSansIOProtocol):
     """uvicorn's WebSocket that also is a `Line`. For `uvicorn.Config(ws=LineProtocol)`."""
 
     _hear: Callable[[str | bytes], None] | None = None
+    _rest: bytes | None = None  # of a frame that is not complete; None: the library reads alone
 
     @property
     def is_free(self) -> bool:
@@ -84,11 +94,43 @@ class LineProtocol(WebSocketsSansIOProtocol):
         """Offer the line to the application."""
         super().handle_connect(event)
         if not self.close_sent:
+            self._rest = None if self.conn.reader.buffer else b""
             cast("dict[str, Any]", self.scope["extensions"])[EXTENSION] = self
+
+    def data_received(self, data: bytes) -> None:
+        """Hear short binary frames at once; the library reads all others.
+
+        It is given whole frames, so it always stands between two of them. After the first frame
+        that is neither short nor whole it reads alone: then it knows best what fits.
+        """
+        if self._rest is None:
+            super().data_received(data)
+            return
+        data, at = self._rest + data, 0
+        while len(data) - at >= FRAME_HEAD:
+            first, end = data[at], at + FRAME_HEAD + (data[at + 1] & 127)
+            if first not in WHOLE_FRAMES or not MASKED <= data[at + 1] < MASKED + SHORT:
+                self._rest = None
+                super().data_received(data[at:])
+                return
+            if end > len(data):
+                break
+            if first == BINARY_FRAME and self._hear is not None and self._hears_now:
+                mask_at = at + 2
+                self._hear(apply_mask(data[at + FRAME_HEAD : end], data[mask_at : mask_at + 4]))
+            else:
+                super().data_received(data[at:end])
+            at = end
+        self._rest = data[at:]
+
+    @property
+    def _hears_now(self) -> bool:
+        """Whether no earlier message waits and neither side has closed."""
+        return self.queue.empty() and not self.close_sent and self.conn.close_rcvd is None
 
     def send_receive_event_to_app(self) -> None:
         """A message is complete: it is heard at once, unless earlier ones still wait."""
-        if self._hear is None or self.close_sent or not self.queue.empty():
+        if self._hear is None or not self._hears_now:
             super().send_receive_event_to_app()
             return
         data = b"".join(self.frames)
