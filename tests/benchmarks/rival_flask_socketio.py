@@ -15,6 +15,7 @@ import json
 import multiprocessing
 import os
 import socket
+import sys
 import threading
 import time
 from importlib.metadata import version
@@ -63,6 +64,7 @@ def serve_rival(port: int, control: Connection) -> None:
     import flask
     import flask_socketio
 
+    sys.stdout = sys.stderr  # Flask greets on stdout, where our report goes
     os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     open_kernel_cache()
     app = flask.Flask("rival")
