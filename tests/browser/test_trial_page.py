@@ -51,7 +51,7 @@ def server(start_server: Callable[..., Server]) -> Server:
 def context(browser: Browser, browser_context_args: dict[str, Any]) -> Iterator[BrowserContext]:
     """A browser profile whose pages let the tests hear their sockets."""
     fresh = browser.new_context(**browser_context_args)
-    fresh.set_default_timeout(30_000)
+    fresh.set_default_timeout(60_000)
     fresh.add_init_script(TAP)
     yield fresh
     fresh.close()
@@ -163,6 +163,18 @@ def test_a_hidden_page_lets_go_of_the_keys_and_shown_again_goes_on(trial: Page) 
     trial.keyboard.down("s")
     wait_for_walk(trial)
     trial.keyboard.up("s")
+
+
+def test_help_lets_go_of_the_keys_which_count_again_once_it_is_closed(trial: Page) -> None:
+    """At once, not a frame later: a key held since before would go unheard."""
+    start_walking(trial)
+    key = "code => window.dispatchEvent(new KeyboardEvent('keydown', { code, bubbles: true }))"
+    check_that_the_human_stops(trial, key, "KeyH")
+    trial.keyboard.up("w")
+    expect(trial.get_by_role("dialog")).to_be_visible()
+    trial.evaluate(f"() => ['KeyH', 'KeyS'].forEach({key})")
+    wait_for_walk(trial)
+    trial.keyboard.press("s")
 
 
 def test_keys_count_by_their_place_and_q_and_e_turn(trial: Page) -> None:

@@ -16,6 +16,9 @@ const SLAT = new Color("#aab2b8");
 const WHITE = new Color("#ffffff");
 const BUFFER = new Color("#23282c");
 
+/** As much of the stripes as fits a jamb 0.18 m wide and 0.5 m high, unstretched. */
+const JAMB_STRIPES = { ...HAZARD_CELL, u1: HAZARD_CELL.u0 + 0.09 * (HAZARD_CELL.u1 - HAZARD_CELL.u0) };
+
 const WINDOW_M = /** @type {[number, number]} */ ([3.75, 4.55]);
 const BAY_M = 6;
 const DOOR_M = { width: 2.8, height: 3.0, slats: 10 };
@@ -66,7 +69,7 @@ function addDoor(builder, wall, middle) {
   hang(builder, wall, [from - 0.22, to + 0.22, 0, height + 0.32], 0.018, FRAME, { shade: 0.75 });
   for (const [a, b] of [[from - 0.2, from - 0.02], [to + 0.02, to + 0.2]])
     for (let n = 0; n < 3; n += 1)
-      hang(builder, wall, [a ?? 0, b ?? 0, n * 0.5, n * 0.5 + 0.5], 0.03, WHITE, { picture: HAZARD_CELL });
+      hang(builder, wall, [a ?? 0, b ?? 0, n * 0.5, n * 0.5 + 0.5], 0.03, WHITE, { picture: JAMB_STRIPES });
   for (let n = 0; n < slats; n += 1) {
     const low = (n * height) / slats;
     const high = ((n + 1) * height) / slats;
