@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import httpx2
+from playwright.sync_api import Page
 
 FORMS: dict[str, dict[str, str]] = {
     "consent": {"adult": "yes", "informed": "yes", "agreed": "yes"},
@@ -36,3 +37,8 @@ def join_and_go_to(url: str, study: str, step: str) -> str:
         assert answer.status_code == 303, answer.text
         assert "set-cookie" not in answer.headers
     return f"{url}{place}"
+
+
+def wait_for_running(page: Page) -> None:
+    """Wait until the world runs on a trial page."""
+    page.wait_for_function("() => document.querySelector('#stage').dataset.phase === 'running'")

@@ -1,39 +1,22 @@
 """The trial's page in real Chromium when things go wrong around it.
 
-Lost keyboard, refresh, dropped line, second tab, lost graphics, missing graphics, touch screens,
-foreign keyboards. What the world did is read from the server's own snapshots, not from the page.
+Lost keyboard, refresh, dropped line, second tab, lost graphics, foreign keyboards. What the world
+did is read from the server's own snapshots, not from the page.
 """
 
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from playwright.sync_api import Browser, BrowserContext, Page, expect
+from playwright.sync_api import BrowserContext, Page, expect
 
 from browser.conftest import Server
-from browser.joining import join_and_go_to
+from browser.joining import join_and_go_to, wait_for_running
 
-TAP = (Path(__file__).parent / "trial_tap.js").read_text()
 TICK_HZ = 30
 STOPS_WITHIN_TICKS = 12
-WITHOUT_WEBGL = """
-const real = HTMLCanvasElement.prototype.getContext;
-HTMLCanvasElement.prototype.getContext = function (kind, ...options) {
-  return String(kind).startsWith("webgl") ? null : real.call(this, kind, ...options);
-};
-"""
-TOUCH_ONLY = """
-Object.defineProperty(navigator, "maxTouchPoints", { value: 5 });
-const real = window.matchMedia.bind(window);
-window.matchMedia = (query) =>
-  /pointer: *fine/.test(query) ? { ...real("not all"), matches: false } : real(query);
-"""
 HIDE = """hidden => {
   Object.defineProperty(document, "visibilityState", {
     value: hidden ? "hidden" : "visible", configurable: true });
@@ -42,55 +25,21 @@ HIDE = """hidden => {
 
 
 @pytest.fixture(scope="module")
-def server(start_server: Callable[..., Server]) -> Server:
-    """A study with small halls, in real time."""
-    return start_server("walk")
-
-
-@pytest.fixture(scope="module")
-def context(browser: Browser, browser_context_args: dict[str, Any]) -> Iterator[BrowserContext]:
-    """A browser profile whose pages let the tests hear their sockets."""
-    fresh = browser.new_context(**browser_context_args)
-    fresh.set_default_timeout(60_000)
-    fresh.add_init_script(TAP)
-    yield fresh
-    fresh.close()
-
-
-@pytest.fixture
-def address(server: Server) -> str:
-    """The address of a participant whose next step is the practice."""
-    return join_and_go_to(server.url, "walk", "practice")
-
-
-@pytest.fixture
-def fresh_page(context: BrowserContext) -> Iterator[Page]:
-    """One more tab."""
-    page = context.new_page()
-    yield page
-    page.close()
-
-
-@pytest.fixture(scope="module")
-def shared_page(context: BrowserContext) -> Page:
+def shared_page(tapped_context: BrowserContext) -> Page:
     """A tab that several tests play in, because opening the hall takes long in software."""
-    return context.new_page()
+    return tapped_context.new_page()
 
 
 @pytest.fixture
-def trial(shared_page: Page, server: Server) -> Page:
+def trial(shared_page: Page, practice_server: Server) -> Page:
     """A page on which a practice runs; a new participant's where the last one is used up."""
     is_fresh = """() => document.querySelector("#stage")?.dataset.phase === "running"
         && document.querySelector("#stage").dataset.connection === "open"
         && tap.places.at(-1)?.tick < 1500"""
     if not shared_page.evaluate(is_fresh):
-        shared_page.goto(join_and_go_to(server.url, "walk", "practice"))
+        shared_page.goto(join_and_go_to(practice_server.url, "walk", "practice"))
         wait_for_running(shared_page)
     return shared_page
-
-
-def wait_for_running(page: Page) -> None:
-    page.wait_for_function("() => document.querySelector('#stage').dataset.phase === 'running'")
 
 
 def last_place(page: Page) -> dict[str, float]:
@@ -223,18 +172,18 @@ def test_a_refresh_resumes_the_running_trial_after_a_countdown(trial: Page) -> N
 
 
 def test_a_dropped_line_pauses_the_world_and_comes_back_by_itself(
-    trial: Page, context: BrowserContext
+    trial: Page, tapped_context: BrowserContext
 ) -> None:
     wait_for_tick(trial, TICK_HZ)
     stage = trial.locator("#stage")
     sockets = trial.evaluate("() => tap.sockets.length")
-    context.set_offline(True)
+    tapped_context.set_offline(True)
     trial.evaluate("() => tap.sockets.at(-1).close()")
     expect(stage).to_have_attribute("data-connection", "lost")
     expect(trial.get_by_role("heading", name="Connection lost")).to_be_visible()
     dropped_at = last_place(trial)["tick"]
     trial.wait_for_function("n => tap.sockets.length >= n + 2", arg=sockets)
-    context.set_offline(False)
+    tapped_context.set_offline(False)
     expect(stage).to_have_attribute("data-connection", "open")
     wait_for_running(trial)
     resumed_at = trial.evaluate("() => tap.welcomes.at(-1)")
@@ -299,48 +248,3 @@ def test_axe_finds_nothing_on_the_trial_page(trial: Page) -> None:
         found = Axe().run(trial).response["violations"]
         assert [violation["id"] for violation in found] == []
     trial.keyboard.press("h")
-
-
-def test_without_webgl_both_pages_say_what_to_do(
-    server: Server, fresh_page: Page, address: str
-) -> None:
-    page = fresh_page
-    page.add_init_script(WITHOUT_WEBGL)
-    page.goto(address)
-    expect(page.get_by_role("heading", name="3D graphics are not available")).to_be_visible()
-    expect(page.locator("#stage")).to_contain_text("switch on hardware acceleration")
-    check_that_the_device_is_refused(page, server, "WebGL 2 is missing", "in another browser")
-
-
-def test_a_touch_only_device_is_told_to_use_a_computer(
-    server: Server, fresh_page: Page, address: str
-) -> None:
-    page = fresh_page
-    page.add_init_script(TOUCH_ONLY)
-    page.goto(address)
-    expect(page.get_by_role("heading", name="Please use a computer")).to_be_visible()
-    assert page.evaluate("() => tap.sockets.length") == 0
-    check_that_the_device_is_refused(page, server, "only a touch screen", "with a keyboard and")
-
-
-def check_that_the_device_is_refused(page: Page, server: Server, seen: str, advice: str) -> None:
-    """The browser check names the problem and says what to do; the participant stays there."""
-    page.goto(join_and_go_to(server.url, "walk", "browser-check"))
-    expect(page.locator("#check-results")).to_contain_text(seen)
-    page.locator("main button[type=submit]").click()
-    expect(page.locator("#summary")).to_contain_text(advice)
-    expect(page.locator("#check")).to_be_visible()
-
-
-def test_the_whole_way_needs_no_cookie(
-    server: Server, context: BrowserContext, fresh_page: Page, address: str
-) -> None:
-    page = fresh_page
-    context.new_cdp_session(page).send("Emulation.setDocumentCookieDisabled", {"disabled": True})
-    page.goto(f"{server.url}/s/walk")
-    page.locator("main button[type=submit]").click()
-    expect(page).to_have_url(re.compile(r"/p/[\w-]{20,}$"))
-    assert context.cookies() == []
-    page.goto(address)
-    wait_for_running(page)
-    assert context.cookies() == []
