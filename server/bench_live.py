@@ -10,7 +10,6 @@ trial in simulated time.
 from __future__ import annotations
 
 import asyncio
-import json
 import multiprocessing
 import os
 import platform
@@ -27,10 +26,12 @@ from typing import Any
 
 from server.bench_clients import run_clients
 from server.bench_wire import measure_wire, record_walk
+from server.kernel_cache import kernel_folder
 from server.live.clock import SystemClock
 from server.live.compiling import choose_cache, load_kernels, settle_memory
 from server.live.endpoint import LiveEndpoint
 from server.live.hall import Hall
+from server.live.line import LineProtocol
 from server.live.ports import OpenTrial, TrialBatch, TrialResult, TrialSetup
 from server.live.ticker import Lateness
 from server.policy_files import shipped_policy
@@ -80,12 +81,12 @@ class BenchDesk:
 
 
 def bench_live(
-    levels: Sequence[int] = (100, 200, 300, 400), seconds: float = 15.0, var: Path = Path("var")
+    levels: Sequence[int] = (100, 200, 300, 400), seconds: float = 15.0
 ) -> dict[str, Any]:
     """Run the benchmark; returns the report. Takes about half a minute per level."""
     import uvloop
 
-    load_kernels(choose_cache(var / "kernels"))
+    load_kernels(choose_cache(kernel_folder()))
     with tempfile.TemporaryDirectory() as folder:
         measured = uvloop.run(_measure(tuple(levels), seconds, Path(folder)))
     return {
@@ -94,10 +95,16 @@ def bench_live(
         "condition": "varil",
         "levels": [asdict(level) for level in measured],
         "wire": {name: measure_wire(name) for name in ("varil", "arroch", "crmiar", "none")},
+    } | describe_machine()
+
+
+def describe_machine() -> dict[str, Any]:
+    """What figures were measured on and with."""
+    return {
         "machine": {
             "processor": platform.processor() or platform.machine(),
             "cores": os.cpu_count(),
-            "load_1min": os.getloadavg()[0],
+            "load_1min": round(os.getloadavg()[0], 2),
             "system": platform.platform(),
         },
         "versions": {"python": platform.python_version()}
@@ -174,7 +181,7 @@ async def _serving(desk: BenchDesk) -> AsyncIterator[tuple[Hall, int]]:
         listener.listen(1024)
         config = uvicorn.Config(
             app,
-            ws="websockets-sansio",
+            ws=LineProtocol,
             ws_per_message_deflate=False,
             ws_ping_interval=None,  # one ping in 20 s costs nothing; the clients do not answer it
             lifespan="off",
@@ -222,10 +229,3 @@ def _make_setups(count: int) -> dict[str, TrialSetup]:
         )
         for number in range(count)
     }
-
-
-def print_report(levels: Sequence[int] = (100, 200, 300, 400), seconds: float = 15.0) -> None:
-    """The report as one JSON object on stdout."""
-    import sys
-
-    sys.stdout.write(json.dumps(bench_live(levels, seconds), indent=1) + "\n")

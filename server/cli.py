@@ -1,4 +1,4 @@
-"""The `varil` command: one verb each for serving, migrating, simulating, exporting, accounts.
+"""The `varil` command: serving, migrating, simulating, exporting, measuring, accounts.
 
 Errors go to stderr: exit code 2 for a wrong call, 1 for a failure.
 """
@@ -11,13 +11,14 @@ import os
 import sys
 from collections.abc import Callable
 from enum import StrEnum
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from pydantic import ValidationError
 
-from study.errors import StudyError
+from study.errors import InvalidValue, NotFound, StudyError, UnknownStudy
 
 if TYPE_CHECKING:
     from server.settings import Settings
@@ -31,6 +32,8 @@ app = typer.Typer(
 )
 user = typer.Typer(help="Accounts of staff.", no_args_is_help=True)
 app.add_typer(user, name="user")
+bench = typer.Typer(help="Measurements of this machine.", no_args_is_help=True)
+app.add_typer(bench, name="bench")
 
 DatabaseUrl = Annotated[
     str | None,
@@ -121,7 +124,7 @@ def simulate(
     scale: Scale = Scale.STUDY,
     worker: Worker = Worker.CYCLIC,
     trials: Annotated[int, typer.Option(min=1)] = 10,
-    seed: Annotated[int, typer.Option(min=0)] = 0,
+    seed: Annotated[int, typer.Option(min=0, max=2**53)] = 0,
     workers: Annotated[
         int | None, typer.Option(min=1, help="Processes; default all cores.")
     ] = None,
@@ -130,6 +133,10 @@ def simulate(
     """Run trials headless with a simulated worker, on all cores."""
     from server.simulation import SimulationOptions, run_simulation
 
+    if policy is not None and condition != "varil":
+        raise typer.BadParameter(
+            f"the condition {condition} follows no policy", param_hint="--policy"
+        )
     summary = run_simulation(
         SimulationOptions(
             condition=condition,
@@ -200,8 +207,50 @@ def export(
     from server.export import write_export
 
     settings = read_settings(database_url=database_url)
+    require_database(settings)
     counts = asyncio.run(write_export(settings, study, mode.value if mode else None, out))
     report({"file": str(out), **counts}, as_json)
+
+
+@bench.command("live")
+def bench_live(
+    levels: Annotated[str, typer.Option(help="Numbers of trials, rising.")] = "100,200,300,400",
+    seconds: Annotated[float, typer.Option(min=1.0, help="Measured time per level.")] = 15.0,
+    as_json: AsJson = False,
+) -> None:
+    """How many participants' trials one core carries; about half a minute per level."""
+    from server.bench_live import bench_live as measure
+
+    try:
+        steps = [int(level) for level in levels.split(",")]
+    except ValueError:
+        steps = []
+    if not steps or steps[0] < 1 or any(b <= a for a, b in pairwise(steps)):
+        raise typer.BadParameter("wanted rising numbers of trials, as 100,200", param_hint="levels")
+    summary = measure(steps, seconds)
+    if not as_json:
+        summary |= {f"with_{level['trials']}": level for level in summary.pop("levels")}
+    report(summary, as_json)
+
+
+@bench.command("wire")
+def bench_wire(as_json: AsJson = False) -> None:
+    """Bytes per second to one participant, counted over whole trials."""
+    from server.bench_wire import measure_wire
+    from server.kernel_cache import open_kernel_cache
+
+    open_kernel_cache()
+    report({name: measure_wire(name) for name in ("varil", "arroch", "crmiar", "none")}, as_json)
+
+
+@bench.command("replay")
+def bench_replay(as_json: AsJson = False) -> None:
+    """Seconds to re-simulate five minutes of a trial from its journal."""
+    from server.bench_replay import measure_replay
+    from server.kernel_cache import open_kernel_cache
+
+    open_kernel_cache()
+    report(measure_replay(), as_json)
 
 
 @user.command("add")
@@ -235,9 +284,29 @@ def add_user(
 
 def read_settings(**given: Any) -> Settings:
     """Settings from the environment, with what the command line gave on top."""
+    from pydantic_settings import SettingsError
+
     from server.settings import Settings
 
-    return Settings(**{name: value for name, value in given.items() if value is not None})
+    try:
+        return Settings(**{name: value for name, value in given.items() if value is not None})
+    except SettingsError as error:
+        raise InvalidValue(
+            f"the environment cannot be read ({error})",
+            next_step='Lists are written as JSON, as in VARIL_ALLOWED_ORIGINS=["https://a.example"].',
+        ) from error
+
+
+def require_database(settings: Settings) -> None:
+    """Raise `NotFound` where a SQLite file does not exist yet: reading verbs make none."""
+    from server.store.engine import sqlite_file
+
+    file = sqlite_file(settings.database)
+    if file is not None and not file.is_file():
+        raise NotFound(
+            f"there is no database at {file}",
+            next_step="Run this where `varil serve` runs, or give --database-url.",
+        )
 
 
 def report(summary: dict[str, Any], as_json: bool) -> None:
@@ -255,12 +324,34 @@ def main() -> None:
     sys.exit(run_command(app))
 
 
+def explain(error: StudyError) -> str:
+    """The error's sentence, worded for whoever runs the server where pages word it for others."""
+    from server.store.engine import StorageAway
+
+    if isinstance(error, UnknownStudy):
+        return f"there is no study “{error.study_id}” in this database. Check --study."
+    if isinstance(error, StorageAway):
+        return (
+            f"the database does not answer ({error.__cause__ or 'no reason given'}). "
+            "Check that it runs and that VARIL_DATABASE_URL names it."
+        )
+    return error.sentence
+
+
 def run_command(command: Callable[..., Any]) -> int:
     """Run a command and return its exit code."""
     try:
         command(standalone_mode=True)
     except StudyError as error:
-        typer.echo(f"varil: {error.sentence}", err=True)
+        typer.echo(f"varil: {explain(error)}", err=True)
+        return 1
+    except OSError as error:
+        place = f" {error.filename}" if error.filename else ""
+        typer.echo(
+            f"varil: cannot use{place} ({error.strerror or error}). "
+            "Choose another place, or mend its permissions.",
+            err=True,
+        )
         return 1
     except ValidationError as error:
         for problem in error.errors():

@@ -17,6 +17,7 @@ import uvicorn
 
 from server.accounts import ensure_admin
 from server.app import create_app
+from server.live.line import LineProtocol
 from server.locations import web_root
 from server.pages.rendering import Renderer
 from server.settings import Settings
@@ -70,13 +71,15 @@ async def _serve(settings: Settings, studies: Sequence[Study], listener: socket.
     _announce(settings.host, listener.getsockname()[1], studies, password)
     config = uvicorn.Config(
         app,
-        ws="websockets-sansio",
+        ws=LineProtocol,
         ws_per_message_deflate=False,
         ws_max_size=8192,
         log_level="warning",
         access_log=False,
         server_header=False,
-        proxy_headers=False,
+        log_config=None,
+        proxy_headers=bool(settings.trusted_proxy),
+        forwarded_allow_ips=settings.trusted_proxy,
         timeout_graceful_shutdown=5,
     )
     await uvicorn.Server(config).serve(sockets=[listener])

@@ -10,6 +10,8 @@ from typing import Annotated
 from pydantic import Field, SecretStr
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+from study.errors import InvalidValue
+
 
 class Settings(BaseSettings):
     """Settings of the server, read from `VARIL_*` variables.
@@ -21,6 +23,7 @@ class Settings(BaseSettings):
         secret_key: signs cookies and join links; unset, one is made in `var_dir`.
         admin_password: of the account `admin`, made when no admin exists.
         metrics_token: lets other machines than this one read `/metrics`.
+        trusted_proxy: address of a proxy whose X-Forwarded-For and -Proto are believed.
         allowed_origins: further origins (scheme://host[:port]) behind which the server is reached.
         time_scale: world seconds per second; refused for live participants unless 1.
     """
@@ -32,8 +35,9 @@ class Settings(BaseSettings):
     var_dir: Path = Path("var")
     database_url: str = ""
     secret_key: Annotated[SecretStr, Field(min_length=32)] | None = None
-    admin_password: SecretStr | None = None
+    admin_password: Annotated[SecretStr, Field(min_length=10)] | None = None
     metrics_token: SecretStr | None = None
+    trusted_proxy: str = ""
     allowed_origins: tuple[str, ...] = ()
     time_scale: Annotated[float, Field(ge=1.0, le=4.0)] = 1.0
 
@@ -60,8 +64,8 @@ class Settings(BaseSettings):
 def _read_key(file: Path) -> bytes:
     key = file.read_bytes().strip()
     if len(key) < 32:
-        raise ValueError(
-            f"{file} holds no usable key. Delete it to have a new one made; staff will have to "
-            "sign in again."
+        raise InvalidValue(
+            f"{file} holds no usable key",
+            next_step="Delete it to have a new one made; staff will have to sign in again.",
         )
     return key

@@ -44,23 +44,22 @@ def mask_tokens(text: str) -> str:
     return _IN_PATH.sub(r"\1***", text)
 
 
-class TokenMask(logging.Filter):
-    """Keeps tokens out of log lines, whichever part of the record they stand in."""
+class MaskingFormatter(logging.Formatter):
+    """Formats as another formatter would, then masks the tokens; tracebacks included."""
 
-    def filter(self, record: logging.LogRecord) -> bool:
-        """Mask the message and its arguments; every record passes."""
-        if isinstance(record.msg, str):
-            record.msg = mask_tokens(record.msg)
-        if isinstance(record.args, tuple):
-            record.args = tuple(
-                mask_tokens(value) if isinstance(value, str) else value for value in record.args
-            )
-        return True
+    def __init__(self, inner: logging.Formatter | None) -> None:
+        super().__init__()
+        self._inner = inner or logging.Formatter()
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The finished line without tokens."""
+        return mask_tokens(self._inner.format(record))
 
 
 def mask_server_logs() -> None:
-    """Put the mask on the loggers that write addresses."""
-    for name in ("uvicorn", "uvicorn.access", "uvicorn.error", "websockets", "varil"):
-        logger = logging.getLogger(name)
-        if not any(isinstance(known, TokenMask) for known in logger.filters):
-            logger.addFilter(TokenMask())
+    """Mask what every handler writes, that of last resort included."""
+    loggers = [logging.getLogger(), *map(logging.getLogger, ("uvicorn", "uvicorn.access"))]
+    handlers = [handler for logger in loggers for handler in logger.handlers]
+    for handler in [*handlers, *([logging.lastResort] if logging.lastResort else [])]:
+        if not isinstance(handler.formatter, MaskingFormatter):
+            handler.setFormatter(MaskingFormatter(handler.formatter))

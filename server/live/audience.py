@@ -35,6 +35,7 @@ class Audience:
         self._sinks: list[Sink] = []
         self._display = Display.nothing(len(world.robot_x_m), len(world.layout.stations))
         self._sent_plans = [UNSENT] * len(world.robot_x_m)
+        self._seen_plans: list[int] = []
 
     @property
     def sinks(self) -> tuple[Sink, ...]:
@@ -64,6 +65,7 @@ class Audience:
     def show(self, display: Display) -> None:
         """What is visible changed."""
         self._display = display
+        self._seen_plans = []
         for robot, mask in enumerate(display.robots):
             if not mask & PATH_ELEMENTS:
                 self._sent_plans[robot] = UNSENT
@@ -81,8 +83,9 @@ class Audience:
 
     def _send_plans(self) -> None:
         versions = self._world.plan_version.tolist()
-        if versions == self._sent_plans:
+        if versions == self._seen_plans:
             return
+        self._seen_plans = versions
         for robot, version in enumerate(versions):
             visible = self._display.robots[robot] & PATH_ELEMENTS
             if visible and version != self._sent_plans[robot]:
@@ -96,7 +99,7 @@ class Audience:
         sink.send_control(wire.encode_display(shown.robots, shown.stations, shown.overlays))
 
     def _encode_plan(self, robot: int) -> bytes:
-        return wire.encode_plan(robot, self._world.planned_path(robot).tolist())
+        return wire.encode_plan(robot, self._world.planned_corners(robot).tolist())
 
     def _welcome(self, acknowledged_seq: int) -> dict[str, Any]:
         setup, world = self._setup, self._world

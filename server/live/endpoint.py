@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import time
 from collections.abc import Awaitable, Callable, Mapping, MutableMapping
 from typing import Any, Protocol
 
 from starlette.datastructures import Headers
 
 from server.live import wire
-from server.live.outbox import Outbox, Send, keep_buffers_small
+from server.live.line import find_line
+from server.live.outbox import Outbox, Send
 from server.live.sink import Sink
 from server.live.wire import CloseCode, WireError
 from study.errors import StudyError, UnknownToken, WrongStep
@@ -83,10 +85,12 @@ class LiveEndpoint:
             await send({"type": "websocket.close", "code": CloseCode.WRONG_ORIGIN})
             return
         await send({"type": "websocket.accept"})
-        keep_buffers_small(send)
         token = str(scope["path_params"]["token"])
-        outbox = Outbox(send, next_path=f"{scope.get('root_path', '')}/p/{token}")
+        line = find_line(scope)
+        outbox = Outbox(send, f"{scope.get('root_path', '')}/p/{token}", line)
         session = Session(self._rooms, token, outbox)
+        if line is not None:
+            line.listen(session.hear)
         writer = asyncio.create_task(outbox.run())
         reader = asyncio.create_task(session.read(receive))
         try:
@@ -110,23 +114,32 @@ class Session:
         self._room: JoinedRoom | None = None
         self._opening: asyncio.Task[None] | None = None
         self._code = NO_STATUS
+        self._is_greeted = False
+        self._patience = asyncio.get_running_loop().call_later(HELLO_WITHIN_S, self._lose_patience)
         self._allowance = MESSAGES_BURST
         self._allowance_s = 0.0
 
     async def read(self, receive: Receive) -> None:
-        """Read frames until the socket ends or says something that does not fit."""
+        """Read until the socket ends; what its line hears directly does not come by here."""
+        while True:
+            message = await receive()
+            if message["type"] == "websocket.disconnect":
+                self._code = message.get("code") or NO_STATUS
+                return
+            data = message.get("bytes")
+            self.hear(message["text"] if data is None else data)
+
+    def hear(self, frame: str | bytes) -> None:
+        """Take one message of the client; one that does not fit ends the socket."""
+        if self._outbox.closing.done():
+            return
         try:
-            async with asyncio.timeout(HELLO_WITHIN_S):
-                first = await receive()
-            self._greet(first)
-            while True:
-                message = await receive()
-                if message["type"] == "websocket.disconnect":
-                    self._code = message.get("code") or NO_STATUS
-                    return
+            self._check_rate()
+            message = wire.parse_text(frame) if isinstance(frame, str) else wire.parse_input(frame)
+            if self._is_greeted:
                 self._take(message)
-        except TimeoutError:
-            self._outbox.close(CloseCode.MALFORMED, "wanted “hello” first, got nothing")
+            else:
+                self._greet(message)
         except WireError as problem:
             self._outbox.close(problem.code, str(problem))
         except Exception:
@@ -135,23 +148,25 @@ class Session:
 
     def leave(self) -> None:
         """The socket ends: its room, if it has one, hears of it."""
+        self._patience.cancel()
         if self._opening is not None:
             self._opening.cancel()
         if self._room is not None:
             room, self._room = self._room, None
             room.leave(self._outbox, self._code)
 
-    def _greet(self, first: MutableMapping[str, Any]) -> None:
-        if first["type"] == "websocket.disconnect":
-            self._outbox.close(NO_STATUS, "")
-            return
-        message = _parse(first)
+    def _lose_patience(self) -> None:
+        self._outbox.close(CloseCode.MALFORMED, "wanted “hello” first, got nothing")
+
+    def _greet(self, message: wire.TextMessage | wire.Input) -> None:
         if not isinstance(message, wire.Hello):
             raise WireError("“hello” first", type(message).__name__.lower())
         if message.version != wire.PROTOCOL_VERSION:
             raise WireError(
                 f"protocol version {wire.PROTOCOL_VERSION} (reload the page)", str(message.version)
             )
+        self._patience.cancel()
+        self._is_greeted = True
         self._opening = asyncio.create_task(self._open())
 
     async def _open(self) -> None:
@@ -170,9 +185,8 @@ class Session:
         self._outbox.send_text(wire.encode_error(sentence))
         self._outbox.close(code, sentence)
 
-    def _take(self, frame: MutableMapping[str, Any]) -> None:
-        self._check_rate()
-        message, room = _parse(frame), self._room
+    def _take(self, message: wire.TextMessage | wire.Input) -> None:
+        room = self._room
         if isinstance(message, wire.Input):
             if room is None:
                 raise WireError("“ready” before any input", "an input message")
@@ -194,17 +208,12 @@ class Session:
                 room.take_context(message)
 
     def _check_rate(self) -> None:
-        now_s = asyncio.get_running_loop().time()
+        now_s = time.perf_counter()
         gained = (now_s - self._allowance_s) * MESSAGES_PER_S
         self._allowance = min(MESSAGES_BURST, self._allowance + gained) - 1.0
         self._allowance_s = now_s
         if self._allowance < 0.0:
             raise WireError(f"at most {MESSAGES_PER_S:.0f} messages a second", "more")
-
-
-def _parse(frame: MutableMapping[str, Any]) -> wire.TextMessage | wire.Input:
-    data = frame.get("bytes")
-    return wire.parse_input(data) if data is not None else wire.parse_text(frame["text"])
 
 
 def _close_code(problem: StudyError) -> CloseCode:

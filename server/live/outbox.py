@@ -4,49 +4,54 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import socket
 from collections import deque
 from collections.abc import Awaitable, Callable, MutableMapping
 from typing import Any
 
+from server.live.line import Line
 from server.live.wire import CloseCode, crop_reason, encode_finished
 
 AsgiMessage = MutableMapping[str, Any]
 Send = Callable[[AsgiMessage], Awaitable[None]]
 
 MAX_CONTROL = 256
-KERNEL_BUFFER_BYTES = 16384
-UNSENT_BYTES = 2048
 
 
 class Outbox:
-    """A Sink over one WebSocket. `run` is the socket's only writer.
+    """A Sink over one WebSocket. What cannot go down its `line` at once is sent by `run`.
 
     A client that reads too slowly for its control messages is closed: nothing grows without end.
     `closing` is resolved as soon as the socket is to end.
     """
 
-    def __init__(self, send: Send, next_path: str) -> None:
+    def __init__(self, send: Send, next_path: str, line: Line | None = None) -> None:
         self.closing: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._send = send
+        self._line = line
+        self._is_sending = False
         self._next_path = next_path
-        self._control: deque[AsgiMessage] = deque()
+        self._control: deque[str | bytes] = deque()
         self._snapshot: bytes | None = None
         self._wake = asyncio.Event()
         self._close: AsgiMessage | None = None
 
     def send_text(self, text: str) -> None:
         """Queue a text message."""
-        self._queue({"type": "websocket.send", "text": text})
+        self._queue(text)
 
     def send_control(self, data: bytes) -> None:
         """Queue a binary message that must arrive."""
-        self._queue({"type": "websocket.send", "bytes": data})
+        self._queue(data)
 
     def send_snapshot(self, data: bytes) -> None:
         """Put the newest snapshot in the place of the last, if that is still here."""
-        self._snapshot = data
-        self._wake.set()
+        line = self._clear_line()
+        if line is not None:
+            self._snapshot = None
+            line.write(data)
+        else:
+            self._snapshot = data
+            self._wake.set()
 
     def send_finished(self) -> None:
         """Tell where the participant goes next."""
@@ -76,35 +81,38 @@ class Outbox:
         while True:
             await self._wake.wait()
             self._wake.clear()
+            self._is_sending = True
             while self._control:
-                await self._send(self._control.popleft())
+                await self._send(_as_message(self._control.popleft()))
             if self._snapshot is not None:
                 data, self._snapshot = self._snapshot, None
-                await self._send({"type": "websocket.send", "bytes": data})
+                await self._send(_as_message(data))
             elif self._close is not None and not self._control:
                 await self._send(self._close)
                 return
+            self._is_sending = False
 
-    def _queue(self, message: AsgiMessage) -> None:
+    def _queue(self, frame: str | bytes) -> None:
         if self._close is not None:
             return
-        if len(self._control) >= MAX_CONTROL:
+        line = self._clear_line()
+        if line is not None:
+            line.write(frame)
+        elif len(self._control) >= MAX_CONTROL:
             self._control.clear()
             self.close(CloseCode.TRY_LATER, "this connection is too slow")
-            return
-        self._control.append(message)
-        self._wake.set()
+        else:
+            self._control.append(frame)
+            self._wake.set()
+
+    def _clear_line(self) -> Line | None:
+        """The line, if what is written to it overtakes nothing and waits for nobody."""
+        line = self._line
+        if line is None or self._is_sending or self._control or self._close is not None:
+            return None
+        return line if line.is_free else None
 
 
-def keep_buffers_small(send: Send) -> None:
-    """Ask the socket below an ASGI server to hold little, so that a slow client sees no backlog.
-
-    ASGI does not show the socket; uvicorn's `send` is a method of the object that has it. With
-    another server, or behind a wrapper, nothing is changed.
-    """
-    transport: Any = getattr(getattr(send, "__self__", None), "transport", None)
-    with contextlib.suppress(OSError, AttributeError):
-        transport.set_write_buffer_limits(high=UNSENT_BYTES)
-        raw = transport.get_extra_info("socket")
-        raw.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BUFFER_BYTES)
-        raw.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, UNSENT_BYTES)
+def _as_message(frame: str | bytes) -> AsgiMessage:
+    kind = "text" if isinstance(frame, str) else "bytes"
+    return {"type": "websocket.send", kind: frame}

@@ -201,26 +201,12 @@ def encode_error(message: str) -> str:
     return encode_text({"type": "error", "message": message})
 
 
-def encode_plan(robot: int, cells: Sequence[tuple[int, int]]) -> bytes:
+def encode_plan(robot: int, corners: Sequence[tuple[int, int]]) -> bytes:
     """A planned path as corner cells (i, j); bays and homes may have j or i one outside."""
-    corners = find_corners(cells)
     packed = bytearray(struct.pack("<BBH", PLAN, robot, len(corners)))
     for i, j in corners:
         packed += bytes((i + 1, j + 1))
     return bytes(packed)
-
-
-def find_corners(cells: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
-    """The first cell, every cell where the path turns, and the last."""
-    corners = []
-    last = len(cells) - 1
-    for n, (i, j) in enumerate(cells):
-        if 0 < n < last:
-            (a, b), (c, d) = cells[n - 1], cells[n + 1]
-            if (i - a, j - b) == (c - i, d - j):
-                continue
-        corners.append((i, j))
-    return corners
 
 
 def encode_display(robots: bytes, stations: bytes, overlays: int) -> bytes:

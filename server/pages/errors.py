@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
+from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import JSONResponse, RedirectResponse, Response
@@ -55,6 +56,13 @@ def _describe(error: Exception) -> tuple[Problem, str, str]:
             Problem(error.status_code, headline, 4400),
             what,
             "Check the address, or go back and try once more.",
+        )
+    if isinstance(error, RequestValidationError):
+        wrong = ", ".join(str(problem["loc"][-1]) for problem in error.errors())
+        return (
+            Problem(422, "The server could not read this request", 4400),
+            f"the address carries something unusable ({wrong})",
+            "Go back and follow the links of the page.",
         )
     return (
         _OURS,

@@ -66,13 +66,18 @@ def async_url(url: str) -> str:
     return parsed.set(drivername=_DRIVERS[kind]).render_as_string(hide_password=False)
 
 
+def sqlite_file(url: str) -> Path | None:
+    """The file behind a SQLite address, whether it exists or not; None for other databases."""
+    parsed = make_url(async_url(url))
+    return Path(parsed.database or "") if parsed.get_backend_name() == "sqlite" else None
+
+
 class Database:
     """One engine with its transactions. `writing` commits at the end, `reading` never does."""
 
     def __init__(self, url: str) -> None:
         self.url = async_url(url)
-        parsed = make_url(self.url)
-        self.file = Path(parsed.database or "") if parsed.get_backend_name() == "sqlite" else None
+        self.file = sqlite_file(url)
         self._write_lock = asyncio.Lock()
         self.engine = _make_engine(self.url, self.file)
 
@@ -138,6 +143,11 @@ def _translate_trouble() -> Iterator[None]:
     except (OperationalError, InterfaceError, PoolTimeout, ConnectionError) as error:
         raise StorageAway from error
     except DBAPIError as error:
+        if "not a database" in str(error.orig):
+            raise UnusableDatabase(
+                "the file named as database holds something else",
+                next_step="Name another file with VARIL_DATABASE_URL; this one was left as it is.",
+            ) from error
         if error.connection_invalidated:
             raise StorageAway from error
         raise

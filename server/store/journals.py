@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from sqlalchemy import select, update
 from sqlalchemy.ext.asyncio import AsyncSession
@@ -19,25 +19,32 @@ if TYPE_CHECKING:
 
     from server.live.ports import TrialBatch
 
+SLICE = 40
+T = TypeVar("T")
 _HASH = struct.Struct("<I8s")
 
 
 async def add_batches(session: AsyncSession, batches: Sequence[TrialBatch], now: datetime) -> None:
     """Store new chunks and events of many trials; what is stored already is left alone."""
     newest = {batch.trial_id: batch for batch in batches}
-    if not newest:
-        return
     # Participants first: everybody else who locks both locks them in this order.
-    owners = select(Trial.participant_id).where(Trial.id.in_(list(newest)))
-    await session.execute(update(Participant).where(Participant.id.in_(owners)).values(seen_at=now))
-    await session.execute(
-        update(Trial),
-        [{"id": b.trial_id, "ticks": b.tick, "phase": b.phase} for b in newest.values()],
-    )
-    chunks = [_chunk_row(b.trial_id, b.chunk) for b in batches if b.chunk is not None]
-    events = [_event_row(b.trial_id, event) for b in batches for event in b.events]
-    await insert_new(session, TrialChunk, chunks)
-    await insert_new(session, TrialEvent, events)
+    for trial_ids in _slices(list(newest)):
+        owners = select(Trial.participant_id).where(Trial.id.in_(trial_ids))
+        seen = update(Participant).where(Participant.id.in_(owners)).values(seen_at=now)
+        await session.execute(seen)
+    for trials in _slices(list(newest.values())):
+        places = [{"id": b.trial_id, "ticks": b.tick, "phase": b.phase} for b in trials]
+        await session.execute(update(Trial), places)
+    for some in _slices(batches):
+        chunks = [_chunk_row(b.trial_id, b.chunk) for b in some if b.chunk is not None]
+        events = [_event_row(b.trial_id, event) for b in some for event in b.events]
+        await insert_new(session, TrialChunk, chunks)
+        await insert_new(session, TrialEvent, events)
+
+
+def _slices(rows: Sequence[T]) -> Iterator[Sequence[T]]:
+    """Parts so small that making their statements holds no trial's tick up."""
+    return (rows[n : n + SLICE] for n in range(0, len(rows), SLICE))
 
 
 async def read_journal(

@@ -18,6 +18,7 @@ from server.store.participants import (
     store_progress,
     store_slot,
 )
+from server.store.studies import read_version
 from server.store.trials import abandon_open
 from study.config import Study
 from study.protocol.flow import IdleTooLong, Progress, Submission, advance
@@ -51,7 +52,8 @@ async def end_idle(session: AsyncSession, study: Study, now: datetime) -> int:
     limit = now - timedelta(seconds=study.abandon_after_s)
     idle = await list_idle(session, study.study_id, limit)
     for participant in idle:
-        await move(session, study, participant, IdleTooLong(), now)
+        joined = await read_version(session, participant.study_version_id)
+        await move(session, joined, participant, IdleTooLong(), now)
     return len(idle)
 
 

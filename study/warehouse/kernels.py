@@ -38,6 +38,20 @@ def kernel(function: F) -> F:
     return cast(F, dispatcher)
 
 
+def compiled_entry(function: F, *arguments: object) -> F:
+    """Return the machine code of a kernel for arguments of exactly these types.
+
+    A call of the kernel itself first looks at the type of each argument, which for many arrays
+    takes longer than a small kernel. The types given to what is returned are not checked.
+    """
+    dispatcher: Any = function
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return function
+    types = tuple(numba.typeof(argument) for argument in arguments)  # type: ignore[no-untyped-call]
+    dispatcher.compile(types)
+    return cast(F, dispatcher.overloads[types].entry_point)
+
+
 def keep_compiled_code(folder: str) -> None:
     """Load machine code from `folder` and store it there, from now on.
 

@@ -193,10 +193,8 @@ def something_ends(
 ) -> bool:
     """Advance the clocks of a robot's state by one tick; say whether the state ends now."""
     if r.state == WAITING:
-        if human_serves(trial, hall, stations, r):
-            return True
         r.wait_ticks += 1
-        return False
+        return bool(human_serves(trial, hall, stations, r))
     if r.state == PICKING or r.state == UNLOADING:
         r.timer -= 1
         return bool(r.timer == 0)

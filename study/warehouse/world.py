@@ -5,7 +5,7 @@ The same layout, seed and inputs give the same bits at every tick, in any proces
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, cast
 
@@ -13,10 +13,12 @@ import numpy as np
 import numpy.typing as npt
 
 from study.warehouse.halls import PRESETS, TICK_HZ
+from study.warehouse.kernels import compiled_entry
 from study.warehouse.kinematics import KEY_W
 from study.warehouse.layout import Layout, build_layout
 from study.warehouse.life import EVENT_KINDS
 from study.warehouse.measures import TrialMeasures, measure_trial
+from study.warehouse.outlines import HUMAN_NUMBERS, ROBOT_NUMBERS, outline_path, outline_world
 from study.warehouse.state import (
     FORWARD,
     STATUSES,
@@ -78,8 +80,11 @@ class World:
         self.floor = build_floor(layout)
         self.motion: Motion = new_motion(layout, seed, tasks)
         self._frames = np.zeros((MOST_FRAMES, 2), dtype=np.int32)
+        self._step: Callable[..., int] | None = None
         self._trial = self.motion.trial
         robots = self.motion.robots
+        self._numbers = np.zeros(HUMAN_NUMBERS + ROBOT_NUMBERS * len(robots), dtype=np.int64)
+        self._corners = np.zeros((self.motion.plans.shape[1], 2), dtype=np.int16)
         self.robot_x_m: npt.NDArray[np.float64] = robots["x"]
         self.robot_y_m: npt.NDArray[np.float64] = robots["y"]
         self.robot_heading: npt.NDArray[np.uint16] = robots["heading"]
@@ -101,7 +106,9 @@ class World:
         for n, (keys, yaw) in enumerate(frames):
             self._frames[n, 0] = keys & 15
             self._frames[n, 1] = yaw & 65535
-        if step_world(self.floor, self.motion, self._frames, count):
+        if self._step is None:
+            self._step = compiled_entry(step_world, self.floor, self.motion, self._frames, count)
+        if self._step(self.floor, self.motion, self._frames, count):
             return self._read_events()
         return []
 
@@ -169,6 +176,20 @@ class World:
         cells = [self.layout.index_cell(cell) for cell in plan[start:length].tolist()]
         return np.array(cells, dtype=np.int16).reshape(-1, 2)
 
+    def planned_corners(self, robot: int) -> npt.NDArray[np.int16]:
+        """Return int16[n, 2]: the first cell of `planned_path`, those where it turns, the last.
+
+        The array is used again by the next call.
+        """
+        plans, stride = self.motion.plans, self.layout.stride
+        count = outline_path(self.motion.robots, plans, robot, stride, self._corners)
+        return self._corners[:count]
+
+    def outline(self, per_m: float) -> list[int]:
+        """Return all that moves, in few whole numbers; see `outline_world`."""
+        outline_world(self._trial, self.motion.robots, per_m, self._numbers)
+        return self._numbers.tolist()
+
     def state_hash(self) -> bytes:
         """Return 8 bytes over all bits of the state: equal worlds give equal hashes."""
         return hash_state(self.motion)
@@ -182,3 +203,5 @@ def compile_kernels() -> None:
     """Compile, or load from the cache, everything that `World.step` runs: up to half a minute."""
     world = World(build_layout(PRESETS["practice"]), seed=0)
     world.step([(KEY_W, 0)])
+    world.outline(1.0)
+    world.planned_corners(0)

@@ -17,8 +17,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from playwright.sync_api import Browser, BrowserContext, Page
+
+from browser.joining import join_and_go_to
 
 ROOT = Path(__file__).parent.parent.parent
+TAP = (Path(__file__).parent / "trial_tap.js").read_text()
 ADMIN_PASSWORD = "a-password-for-tests"
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 FLAGS = (
@@ -111,6 +115,38 @@ def start_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[
 def walk_server(start_server: Callable[..., Server]) -> Server:
     """The study for the walk, its world twice as fast as real time."""
     return start_server("walk", VARIL_TIME_SCALE="2")
+
+
+@pytest.fixture(scope="session")
+def practice_server(start_server: Callable[..., Server]) -> Server:
+    """A study with small halls, in real time."""
+    return start_server("walk")
+
+
+@pytest.fixture(scope="module")
+def tapped_context(
+    browser: Browser, browser_context_args: dict[str, Any]
+) -> Iterator[BrowserContext]:
+    """A browser profile whose pages let the tests hear their sockets."""
+    fresh = browser.new_context(**browser_context_args)
+    fresh.set_default_timeout(60_000)
+    fresh.add_init_script(TAP)
+    yield fresh
+    fresh.close()
+
+
+@pytest.fixture
+def address(practice_server: Server) -> str:
+    """The address of a participant whose next step is the practice."""
+    return join_and_go_to(practice_server.url, "walk", "practice")
+
+
+@pytest.fixture
+def fresh_page(tapped_context: BrowserContext) -> Iterator[Page]:
+    """One more tab."""
+    page = tapped_context.new_page()
+    yield page
+    page.close()
 
 
 def wait_until_it_answers(server: Server, limit_s: float = 60.0) -> None:

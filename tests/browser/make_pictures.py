@@ -98,7 +98,7 @@ ELEMENTS = {
         ("trajectory", LONG_AISLE, 5),
         ("live-location", (4.8, 10.8, 0.9, -0.08), 5),
         ("transparent-avatar", LONG_AISLE, 5),
-        ("balloon", (10.8, 10.0, -0.55, 0.04), 11),
+        ("balloon", (14.6, 2.0, -0.04, 0.0), 11),
         ("minimap", CROSS, 11),
         ("offscreen-arrows", (13.8, 10.8, 0.0, -0.04), 11),
         ("path-beads", LONG_AISLE, 5),

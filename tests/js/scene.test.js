@@ -2,7 +2,8 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { edgeSpot, spreadBearings } from "../../web/static/js/scene/arrow_layout.js";
+import { edgeSpot, makeRoom, spreadBearings } from "../../web/static/js/scene/arrow_layout.js";
+import { balloonHeight_m, balloonSize } from "../../web/static/js/scene/balloons.js";
 import { layOutLabels } from "../../web/static/js/scene/label_layout.js";
 import { inkOn, ROBOT_COLOURS } from "../../web/static/js/scene/palette.js";
 import { pathLength, pointAlong, progressAlong, roundPath } from "../../web/static/js/scene/paths.js";
@@ -88,6 +89,26 @@ test("arrows of neighbours move apart and keep their order", () => {
   const [a = 0, b = 0, c = 0, d = 0] = spread;
   assert.ok(c < a && a < b && d === -2);
   assert.ok(a - c > 0.19 && b - a > 0.19);
+});
+
+test("arrows make room for the minimap and for each other", () => {
+  const frame = { width: 1280, height: 720, inset: 54 };
+  const disc = { x: 124, y: 596, radius: 104 };
+  const bearings = spreadBearings([-1.9, -2.0, -2.1, -2.3, -2.5, -2.7, -2.9, 3.0, 1.5], 0.16);
+  const spots = bearings.map((bearing) => edgeSpot(bearing, frame));
+  makeRoom(spots, frame, disc, 40);
+  spots.forEach((a, n) => {
+    assert.ok(Math.hypot(a.x - disc.x, a.y - disc.y) > disc.radius + 20, `${n} lies under the minimap`);
+    spots.slice(n + 1).forEach((b) => assert.ok(Math.hypot(a.x - b.x, a.y - b.y) > 39, `${n} touches a neighbour`));
+  });
+});
+
+test("a balloon stays in a level view, beside the station and far away", () => {
+  for (let far_m = 1.2; far_m < 30; far_m += 0.2) {
+    const top = balloonHeight_m(far_m, 1.65) + 0.62 * balloonSize(far_m);
+    assert.ok((top - 1.65) / far_m < Math.tan(Math.PI / 6), `cut off at ${far_m} m`);
+    assert.ok(balloonHeight_m(far_m, 1.65) - 0.62 * balloonSize(far_m) > 0.8, "above a loaded robot");
+  }
 });
 
 test("labels do not pile up: the nearest stays, others move, the rest fade", () => {

@@ -1,7 +1,5 @@
 """Guards that the live benchmark still measures what it says; its figures are not judged here."""
 
-from pathlib import Path
-
 import pytest
 
 from server import bench_live
@@ -10,8 +8,7 @@ from server import bench_live
 def test_a_small_run_reports_all_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Three real sockets against real rooms and a real database, for a moment."""
     monkeypatch.setattr(bench_live, "WARM_S", 4.0)
-    var = Path(__file__).parent.parent.parent / "var"
-    report = bench_live.bench_live(levels=(3,), seconds=1.0, var=var)
+    report = bench_live.bench_live(levels=(3,), seconds=1.0)
     (level,) = report["levels"]
     assert (level["trials"], level["running"]) == (3, 3)
     assert 500 < level["wire_bytes_per_s"] < 3000

@@ -14,6 +14,7 @@ from starlette.routing import WebSocketRoute
 from server.live.clock import SystemClock
 from server.live.endpoint import LiveEndpoint
 from server.live.hall import Hall
+from server.live.line import LineProtocol
 
 from .line import Serving
 from .stage import SETUP, MemoryDesk
@@ -27,8 +28,8 @@ def own_pages(headers: Headers) -> bool:
     return headers.get("origin") in (None, "http://127.0.0.1")
 
 
-@pytest.fixture
-async def serving() -> AsyncIterator[Serving]:
+@pytest.fixture(params=[LineProtocol, "websockets-sansio"], ids=["line", "messages"])
+async def serving(request: pytest.FixtureRequest) -> AsyncIterator[Serving]:
     names = [f"t-{number}" for number in range(1, 7)]
     setups = [replace(SETUP, trial_id=name, time_scale=4.0) for name in names]
     setups += [replace(SETUP, trial_id="wide", scale="study", condition="full", time_scale=1.0)]
@@ -40,7 +41,7 @@ async def serving() -> AsyncIterator[Serving]:
         listener.listen(64)
         config = uvicorn.Config(
             app,
-            ws="websockets-sansio",
+            ws=request.param,
             ws_per_message_deflate=False,
             ws_max_size=8192,
             log_level="error",

@@ -210,10 +210,6 @@ def test_any_text_is_read_or_refused(text: str) -> None:
     assert len(reason.encode()) <= 123
 
 
-def test_corners_of_a_path() -> None:
-    """The first cell, each turn, the last; nothing of nothing."""
-    path = [(0, 0), (1, 0), (2, 0), (2, 1), (2, 2), (3, 2)]
-    assert wire.find_corners(path) == [(0, 0), (2, 0), (2, 2), (3, 2)]
-    assert wire.find_corners([(4, 4)]) == [(4, 4)]
+def test_a_plan_without_cells_and_one_in_a_bay() -> None:
     assert wire.encode_plan(3, []) == b"\x03\x03\x00\x00"
     assert wire.encode_plan(0, [(5, -1)]) == b"\x03\x00\x01\x00\x06\x00"

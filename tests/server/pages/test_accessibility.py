@@ -9,9 +9,13 @@ from urllib.parse import urlsplit
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from fastapi import FastAPI
 from playwright.sync_api import Page, Route, sync_playwright
 from starlette.testclient import TestClient
 
+from server.accounts import add_user
+
+PASSWORD = "a long enough password"
 pytestmark = pytest.mark.browser
 STEPS = ("consent", "browser-check", "demographics", "instructions", "explanation-1",
          "questionnaire-1", "comments", "debrief")  # fmt: skip
@@ -51,6 +55,27 @@ def problems_of(page: Page) -> list[str]:
             found.append(f"wider than {width} px")
     page.set_viewport_size({"width": 1280, "height": 800})
     return found
+
+
+@pytest.mark.parametrize("role", ["admin", "expert"])
+def test_staff_pages_are_accessible(
+    chromium_page: Page, client: TestClient, app: FastAPI, walker: Any, role: str
+) -> None:
+    """Each role's own page, with a participant on it, and the sign-in that was refused."""
+    assert walker.step() == "consent"
+    assert client.portal is not None
+    client.portal.call(add_user, app.state.services.database, "the-person", role, PASSWORD)
+    chromium_page.goto("http://testserver/login")
+    chromium_page.fill("input[name=name]", "the-person")
+    chromium_page.fill("input[name=password]", "wrong")
+    chromium_page.click("main button[type=submit]")
+    chromium_page.wait_for_selector("[role=alert]")
+    assert problems_of(chromium_page) == []
+    signed_in = client.post("/login", data={"name": "the-person", "password": PASSWORD})
+    assert signed_in.headers["location"] == f"/{role}"
+    chromium_page.goto(f"http://testserver/{role}")
+    chromium_page.wait_for_selector("form[action='/logout']")
+    assert problems_of(chromium_page) == []
 
 
 def test_every_form_page_is_accessible(chromium_page: Page, walker: Any) -> None:

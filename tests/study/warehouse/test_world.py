@@ -117,6 +117,16 @@ def test_clocks_run_forward_and_add_up() -> None:
     assert measures.sum_wait_s == pytest.approx(sum(r.wait_s for r in measures.robots))
 
 
+def corners_of(path: list[list[int]]) -> list[list[int]]:
+    """The first cell, every one where the path turns, the last."""
+    return [
+        [i, j]
+        for n, (i, j) in enumerate(path)
+        if n in (0, len(path) - 1)
+        or (i - path[n - 1][0], j - path[n - 1][1]) != (path[n + 1][0] - i, path[n + 1][1] - j)
+    ]
+
+
 def test_planned_paths_lead_from_the_robot_to_its_goal() -> None:
     """Guards what the display draws: connected free cells, and a new version when they change."""
     world = World(build_layout(PRESETS["small"]), 8)
@@ -127,6 +137,7 @@ def test_planned_paths_lead_from_the_robot_to_its_goal() -> None:
         world.step([patrol.next_frame()])
         for k in range(len(world.robot_x_m)):
             path = world.planned_path(k).tolist()
+            assert world.planned_corners(k).tolist() == corners_of(path)
             version = int(world.plan_version[k])
             if world.robot_state[k] in (1, 3, 4, 6):
                 assert path == []

@@ -221,6 +221,7 @@ export class Trial {
   #toggleHelp() {
     this.overlays.toggleHelp();
     if (this.overlays.isHelpOpen) this.controls.pointer.release();
+    this.#showState(performance.now());
   }
 
   /** @param {boolean} visible @param {boolean} focused @param {boolean} locked */

@@ -3,6 +3,7 @@
 
 /** @typedef {{ x: number, y: number, angle: number }} EdgeSpot pixels, y down; angle of pointing, clockwise from right */
 /** @typedef {{ width: number, height: number, inset: number }} Frame pixels */
+/** @typedef {{ x: number, y: number, radius: number }} Disc pixels */
 
 /**
  * The point of the inset rectangle in a direction from the middle of the view.
@@ -46,4 +47,26 @@ export function spreadBearings(bearings, gap) {
   const result = new Array(bearings.length).fill(0);
   order.forEach((n, rank) => (result[n] = spread[rank] ?? 0));
   return result;
+}
+
+/**
+ * Moves spots at the left and the lower edge out of a disc in the lower left corner, and those beyond
+ * it further along, so that none touches the disc or its neighbour.
+ * @param {EdgeSpot[]} spots changed in place @param {Frame} frame @param {Disc} disc @param {number} size_px of a spot
+ */
+export function makeRoom(spots, frame, disc, size_px) {
+  const clear = disc.radius + 0.8 * size_px;
+  const isLeft = (/** @type {EdgeSpot} */ spot) => spot.x < frame.inset + 1;
+  const left = spots.filter((spot) => isLeft(spot)).sort((a, b) => b.y - a.y);
+  let limit = disc.y - clear;
+  for (const spot of left) {
+    spot.y = Math.max(frame.inset, Math.min(spot.y, limit));
+    limit = spot.y - size_px;
+  }
+  const lower = spots.filter((spot) => !isLeft(spot) && spot.y > frame.height - frame.inset - 1).sort((a, b) => a.x - b.x);
+  limit = disc.x + clear;
+  for (const spot of lower) {
+    spot.x = Math.min(frame.width - frame.inset, Math.max(spot.x, limit));
+    limit = spot.x + size_px;
+  }
 }

@@ -1,20 +1,21 @@
 // Two drawings of a robot that no rack can hide: the solid avatar at its true place (drawn only where
-// something stands before it; in plain sight the robot itself wears the colour), and the ghost that
+// something stands before it; in plain sight the robot itself, drawn later, wears the colour), and the ghost that
 // glides along its planned path again and again.
 
 import {
-  Color, DynamicDrawUsage, GreaterDepth, InstancedBufferAttribute, InstancedMesh,
-  LessEqualDepth, Matrix4, ShaderMaterial, Vector3,
+  Color, CustomBlending, DynamicDrawUsage, GreaterDepth, InstancedBufferAttribute, InstancedMesh,
+  LessEqualDepth, Matrix4, OneMinusSrcAlphaFactor, ShaderMaterial, SrcAlphaFactor, Vector3,
 } from "three";
 import { robotColour } from "./palette.js";
 import { makeBellShape } from "./robot_shape.js";
+import { ORDER } from "./space.js";
 
 /** From this distance on avatars are drawn larger, so that they stay visible. */
 const NEAR_M = 12;
 const GROWTH_PER_M = 0.045;
 const GROWTH_MAX = 2.2;
-/** A solid avatar shows only where something stands at least this far before it: never through its own robot. */
-const CLEARANCE_M = 0.6;
+/** A solid avatar shows only where something stands at least this far before it. */
+const CLEARANCE_M = 0.1;
 
 const VERTEX = `
 attribute vec3 team;
@@ -70,7 +71,9 @@ function makeMaterial(ghost) {
     uniforms: { ahead: { value: ghost ? 0 : CLEARANCE_M } },
     vertexShader: VERTEX,
     fragmentShader: ghost ? GHOST : SOLID,
-    transparent: true,
+    // Solid ones are drawn among opaque things, before the robots: a robot in front covers them.
+    transparent: ghost,
+    ...(ghost ? {} : { blending: CustomBlending, blendSrc: SrcAlphaFactor, blendDst: OneMinusSrcAlphaFactor }),
     depthWrite: false,
     depthTest: !ghost,
     depthFunc: ghost ? LessEqualDepth : GreaterDepth,
@@ -90,7 +93,7 @@ export class Avatars {
     shape.setAttribute("fade", this.fade);
     this.mesh = new InstancedMesh(shape, makeMaterial(kind === "ghost"), robots);
     this.mesh.frustumCulled = false;
-    this.mesh.renderOrder = kind === "ghost" ? 6 : 5;
+    this.mesh.renderOrder = kind === "ghost" ? ORDER.ghosts : ORDER.solidAvatars;
     this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
     this.matrix = new Matrix4();
     this.scale = new Vector3();

@@ -3,6 +3,7 @@
 import { BufferAttribute, Color, CylinderGeometry, DynamicDrawUsage, InstancedMesh, LatheGeometry, Matrix4, ShaderMaterial, Vector2 } from "three";
 import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 import { BALLOON_COLOUR } from "./palette.js";
+import { ORDER } from "./space.js";
 
 /** @typedef {import("./space.js").StationPlan} StationPlan */
 
@@ -12,6 +13,11 @@ const NEAR_M = 9;
 const GROWTH_PER_M = 0.06;
 const GROWTH_MAX = 4;
 const BOB_M = 0.07;
+/** Beside a station the balloon sinks and shrinks, so that it stays in a view that looks straight ahead. */
+const SHRINKS_WITHIN_M = 3.2;
+const SIZE_MIN = 0.5;
+const LOWEST_M = 1.9;
+const RISE_PER_M = 0.5;
 
 const VERTEX = `
 attribute float string;
@@ -61,6 +67,19 @@ function makeShape() {
   return mergeGeometries([string, body]);
 }
 
+/** Size by distance: small beside the station, large far away. @param {number} far_m */
+export function balloonSize(far_m) {
+  const near = Math.max(SIZE_MIN, Math.min(1, far_m / SHRINKS_WITHIN_M));
+  return Math.min(GROWTH_MAX, near + Math.max(0, far_m - NEAR_M) * GROWTH_PER_M);
+}
+
+/** Height of the middle, such that the top stays below the upper edge of a level view. @param {number} far_m @param {number} eye_m */
+export function balloonHeight_m(far_m, eye_m) {
+  const size = balloonSize(far_m);
+  const seen = eye_m + far_m * RISE_PER_M - 0.62 * size;
+  return Math.min(2.6 + 0.75 * size, Math.max(LOWEST_M, seen));
+}
+
 /** One balloon per station, hidden until shown. */
 export class Balloons {
   /** @param {StationPlan[]} stations @param {boolean} still no bobbing */
@@ -75,13 +94,13 @@ export class Balloons {
     this.mesh = new InstancedMesh(makeShape(), material, stations.length);
     this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
     this.mesh.frustumCulled = false;
-    this.mesh.renderOrder = 7;
+    this.mesh.renderOrder = ORDER.balloons;
     this.matrix = new Matrix4();
     /** Middle of each balloon and its size, as last drawn. */
     this.places = stations.map(({ center_m: [x, y] }) => ({ x, y, height_m: BALLOON_M, size: 1 }));
   }
 
-  /** Far ones are drawn first. @param {{ x: number, y: number }} eye plan metres @param {number} now_s */
+  /** Far ones are drawn first. @param {{ x: number, y: number, height_m: number }} eye plan metres @param {number} now_s */
   update(eye, now_s) {
     const far = (/** @type {number} */ n) => {
       const place = this.places[n];
@@ -91,9 +110,9 @@ export class Balloons {
     order.forEach((station, n) => {
       const place = this.places[station];
       if (!place) return;
-      place.size = Math.min(GROWTH_MAX, 1 + Math.max(0, far(station) - NEAR_M) * GROWTH_PER_M);
+      place.size = balloonSize(far(station));
       const bob = this.still ? 0 : Math.sin(now_s * 1.6 + station) * BOB_M;
-      place.height_m = 2.6 + 0.75 * place.size + bob;
+      place.height_m = balloonHeight_m(far(station), eye.height_m) + bob;
       this.matrix.makeScale(place.size, place.size, place.size).setPosition(place.x, place.height_m, -place.y);
       this.mesh.setMatrixAt(n, this.matrix);
     });

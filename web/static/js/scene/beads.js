@@ -5,6 +5,7 @@ import { Color, DynamicDrawUsage, InstancedBufferAttribute, InstancedMesh, Matri
 import { robotColour } from "./palette.js";
 import { progressAlong } from "./paths.js";
 import { laneOffset } from "./ribbon_geometry.js";
+import { ORDER } from "./space.js";
 
 /** @typedef {import("./routes.js").Routes} Routes */
 
@@ -45,7 +46,7 @@ export class Beads {
     this.mesh = new InstancedMesh(shape, material, BEADS_MAX);
     this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
     this.mesh.frustumCulled = false;
-    this.mesh.renderOrder = 4;
+    this.mesh.renderOrder = ORDER.beads;
     /** @type {{ robot: number, at_m: number, x: number, y: number, passed: boolean }[]} */
     this.beads = [];
     this.matrix = new Matrix4();

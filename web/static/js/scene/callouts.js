@@ -2,7 +2,7 @@
 // balloons, arrows at the edge for robots outside the view.
 
 import { Vector3 } from "three";
-import { edgeSpot, isInView, spreadBearings, wrapAngle } from "./arrow_layout.js";
+import { edgeSpot, isInView, makeRoom, spreadBearings, wrapAngle } from "./arrow_layout.js";
 import { arrowCell, balloonLabelCell, pillCell } from "./atlas.js";
 import { layOutLabels } from "./label_layout.js";
 import { ROBOT_TOP_M } from "./space.js";
@@ -10,13 +10,15 @@ import { ROBOT_TOP_M } from "./space.js";
 /** @typedef {import("./sprites.js").Sprites} Sprites */
 /** @typedef {import("./space.js").RobotSample} RobotSample */
 /** @typedef {{ x: number, y: number, heading: number, halfView: number, width: number, height: number }} Eye */
-/** @typedef {{ x: number, y: number, radius: number }} Disc pixels */
+/** @typedef {import("./arrow_layout.js").Disc} Disc */
 
 const PILL_NEAR_PX = 44;
 const PILL_FAR_PX = 32;
 const ARROW_PX = 40;
 const ARROW_INSET_PX = 54;
 const ARROW_GAP = 0.16;
+/** A station's name stays below the line of facts at the upper edge. */
+const LABEL_TOP_PX = 84;
 /** Share of the way to a label's new place made per second. */
 const FOLLOW = 9;
 
@@ -61,7 +63,7 @@ export class Callouts {
   addBalloon(camera, eye, station, place, id) {
     const spot = this.#project(camera, eye, place.x, place.y, place.height_m - 0.78 * place.size);
     if (!spot) return;
-    const label = { x: spot.x, y: spot.y + 18, w: 104, h: 44, depth_m: spot.depth_m - 100 };
+    const label = { x: spot.x, y: Math.max(LABEL_TOP_PX, spot.y + 18), w: 104, h: 44, depth_m: spot.depth_m - 100 };
     this.labels.push({ id, cell: balloonLabelCell(station), label });
     const across = (place.size * eye.height) / spot.depth_m;
     this.labels.push({ id, cell: null, label: { x: spot.x, y: spot.y - 6 - across * 0.5, w: across, h: across, depth_m: -200 } });
@@ -95,25 +97,14 @@ export class Callouts {
       const bearing = wrapAngle(eye.heading - Math.atan2(sample.y_m - eye.y, sample.x_m - eye.x));
       if (!isInView(bearing, eye.halfView)) outside.push({ robot, bearing });
     });
-    const displaced = { up: 0, right: 0 };
     const spread = spreadBearings(outside.map(({ bearing }) => bearing), ARROW_GAP);
+    const spots = spread.map((bearing) => edgeSpot(bearing, frame));
+    if (keepOut) makeRoom(spots, frame, keepOut, ARROW_PX);
     outside.forEach(({ robot }, n) => {
-      const spot = edgeSpot(spread[n] ?? 0, frame);
-      if (keepOut) stepAside(spot, keepOut, displaced);
+      const spot = /** @type {import("./arrow_layout.js").EdgeSpot} */ (spots[n]);
       const [dx, dy] = [Math.cos(spot.angle), Math.sin(spot.angle)];
       this.sprites.add(arrowCell(robot), spot.x + dx * 27, spot.y + dy * 27, ARROW_PX, ARROW_PX, { turn: spot.angle });
       this.sprites.add(pillCell(robot), spot.x, spot.y, ARROW_PX, ARROW_PX, {});
     });
   }
-}
-
-/**
- * Moves a spot that would lie under the minimap along the edge it sits on, one place per arrow.
- * @param {{ x: number, y: number }} spot @param {Disc} disc @param {{ up: number, right: number }} displaced so far
- */
-function stepAside(spot, disc, displaced) {
-  if (Math.hypot(spot.x - disc.x, spot.y - disc.y) > disc.radius + ARROW_PX * 0.6) return;
-  const first = disc.radius + ARROW_PX * 0.8;
-  if (spot.x - disc.x < disc.y - spot.y) spot.y = disc.y - first - ARROW_PX * displaced.up++;
-  else spot.x = disc.x + first + ARROW_PX * displaced.right++;
 }

@@ -3,9 +3,10 @@
 import { Mesh, MeshLambertMaterial } from "three";
 import { MeshBuilder } from "./builder.js";
 import { makeFloor } from "./floor.js";
-import { addRacks, Boxes } from "./racks.js";
+import { addRacks, makeBoxes } from "./racks.js";
 import { addShell } from "./shell.js";
 import { addStations } from "./stations.js";
+import { addWallFeatures } from "./wall_features.js";
 
 /** @typedef {import("./space.js").HallPlan} HallPlan */
 
@@ -31,17 +32,15 @@ function makeMaterial(atlas) {
   return material;
 }
 
-/**
- * @param {Document} document @param {HallPlan} hall @param {number} robots
- * @param {import("three").Texture} atlas @param {number} longestTexture_px
- * @returns {{ meshes: import("three").Object3D[], boxes: Boxes }}
- */
-export function makeHall(document, hall, robots, atlas, longestTexture_px) {
+/** @typedef {{ atlas: import("three").Texture, boxFace: import("three").Texture, longest_px: number }} Textures longest_px: the longest side one may have */
+
+/** @param {Document} document @param {HallPlan} hall @param {Textures} textures @returns {import("three").Object3D[]} */
+export function makeHall(document, hall, { atlas, boxFace, longest_px }) {
   const builder = new MeshBuilder();
   addShell(builder, hall);
   addStations(builder, hall);
+  addWallFeatures(builder, hall);
   addRacks(builder, hall);
   const steel = new Mesh(builder.build(), makeMaterial(atlas));
-  const boxes = new Boxes(document, hall, robots);
-  return { meshes: [makeFloor(document, hall, longestTexture_px), steel, boxes.mesh], boxes };
+  return [makeFloor(document, hall, longest_px), steel, makeBoxes(hall, boxFace)];
 }

@@ -1,9 +1,7 @@
-// Open steel racks with three loaded decks, and all their boxes as one instanced mesh. The last
-// places of that mesh belong to the boxes which the robots carry.
+// Open steel racks with three loaded decks, and all their boxes as one instanced mesh.
 
 import {
-  BoxGeometry, CanvasTexture, Color, DynamicDrawUsage, InstancedMesh, Matrix4, MeshLambertMaterial,
-  Quaternion, SRGBColorSpace, Vector3,
+  BoxGeometry, CanvasTexture, Color, InstancedMesh, Matrix4, MeshLambertMaterial, Quaternion, SRGBColorSpace, Vector3,
 } from "three";
 import { aisleCell } from "./atlas.js";
 import { BOX_COLOURS } from "./palette.js";
@@ -18,8 +16,6 @@ const DECK = new Color("#848b90");
 const FOOT = new Color("#e2a91c");
 const POST_M = 0.06;
 const BOXES_PER_DECK = 4;
-/** A carried box is smaller than the robot's top plate. */
-const CARRIED_M = 0.27;
 
 /** One end frame: two posts, feet, two ties and a diagonal. @param {MeshBuilder} builder @param {number} x @param {number} y0 @param {number} y1 */
 function addFrame(builder, x, y0, y1) {
@@ -80,7 +76,7 @@ function drawBoxFace(document) {
 }
 
 /** Tape and label are painted after the alpha mask is known. @param {Document} document */
-function makeBoxTexture(document) {
+export function makeBoxTexture(document) {
   const { canvas, pen } = drawBoxFace(document);
   const image = pen.getImageData(0, 0, 256, 256);
   const keep = (/** @type {number} */ x0, /** @type {number} */ y0, /** @type {number} */ x1, /** @type {number} */ y1, /** @type {number[]} */ rgb, /** @type {number} */ tint) => {
@@ -100,9 +96,9 @@ function makeBoxTexture(document) {
   return texture;
 }
 
-/** @param {Document} document */
-function makeBoxMaterial(document) {
-  const material = new MeshLambertMaterial({ map: makeBoxTexture(document) });
+/** @param {import("three").Texture} face */
+function makeBoxMaterial(face) {
+  const material = new MeshLambertMaterial({ map: face });
   material.onBeforeCompile = (shader) => {
     shader.fragmentShader = shader.fragmentShader
       .replace("#include <map_fragment>", "vec4 face = texture2D(map, vMapUv);")
@@ -138,48 +134,14 @@ function stockRacks(hall) {
   return boxes;
 }
 
-/** All boxes of the hall: those on racks stand still, those on robots are set every frame. */
-export class Boxes {
-  /** @param {Document} document @param {HallPlan} hall @param {number} robots */
-  constructor(document, hall, robots) {
-    const stocked = stockRacks(hall);
-    this.first = stocked.length;
-    this.mesh = new InstancedMesh(new BoxGeometry(1, 1, 1), makeBoxMaterial(document), this.first + robots);
-    this.mesh.frustumCulled = false;
-    this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
-    stocked.forEach(({ matrix, colour }, n) => {
-      this.mesh.setMatrixAt(n, matrix);
-      this.mesh.setColorAt(n, colour);
-    });
-    this.colours = BOX_COLOURS.map((hex) => new Color(hex));
-    /** Colours on the robots as last set, so that they are sent to the card only when they change. */
-    this.carried = new Int8Array(robots).fill(-2);
-    this.matrix = new Matrix4();
-    for (let robot = 0; robot < robots; robot += 1) this.carry(robot, -1, 0, 0, 0, 0);
-  }
-
-  /**
-   * @param {number} robot @param {number} colour 0..3, -1 for none
-   * @param {number} x @param {number} y plan metres @param {number} low_m underside @param {number} heading
-   */
-  carry(robot, colour, x, y, low_m, heading) {
-    const n = this.first + robot;
-    const array = this.mesh.instanceMatrix.array;
-    if (colour < 0 && this.carried[robot] === -1) return;
-    const size = colour < 0 ? 0 : CARRIED_M;
-    this.matrix.makeRotationY(heading + Math.PI / 2).scale(new Vector3(size, size, size));
-    this.matrix.setPosition(x, low_m + size / 2, -y);
-    this.matrix.toArray(array, n * 16);
-    this.mesh.instanceMatrix.addUpdateRange(n * 16, 16);
-    this.mesh.instanceMatrix.needsUpdate = true;
-    if (this.carried[robot] === colour) return;
-    this.carried[robot] = colour;
-    this.mesh.setColorAt(n, this.colours[Math.max(0, colour)] ?? new Color());
-    if (this.mesh.instanceColor) this.mesh.instanceColor.needsUpdate = true;
-  }
-
-  /** Call once before the robots' boxes of a frame are set. */
-  begin() {
-    this.mesh.instanceMatrix.clearUpdateRanges();
-  }
+/** All boxes on the racks. @param {HallPlan} hall @param {import("three").Texture} face */
+export function makeBoxes(hall, face) {
+  const stocked = stockRacks(hall);
+  const mesh = new InstancedMesh(new BoxGeometry(1, 1, 1), makeBoxMaterial(face), stocked.length);
+  mesh.frustumCulled = false;
+  stocked.forEach(({ matrix, colour }, n) => {
+    mesh.setMatrixAt(n, matrix);
+    mesh.setColorAt(n, colour);
+  });
+  return mesh;
 }

@@ -1,10 +1,13 @@
 // All ribbons and bead lines as one mesh. It is rebuilt only when a plan or the display changes; the
 // part a robot has left behind is cut off in the shader by its progress.
 
-import { BufferAttribute, BufferGeometry, Color, DynamicDrawUsage, GreaterDepth, Mesh, ShaderMaterial, Vector2 } from "three";
+import {
+  BufferAttribute, BufferGeometry, Color, CustomBlending, DynamicDrawUsage, GreaterDepth, Mesh,
+  OneMinusSrcAlphaFactor, ShaderMaterial, SrcAlphaFactor, Vector2,
+} from "three";
 import { robotColour } from "./palette.js";
 import { buildBand, laneOffset, ribbonWidth } from "./ribbon_geometry.js";
-import { RIBBON_M } from "./space.js";
+import { ORDER, RIBBON_M } from "./space.js";
 
 /** @typedef {import("./routes.js").Routes} Routes */
 /** @typedef {{ trajectory: boolean, beads: boolean }} PathLook */
@@ -14,8 +17,8 @@ const VERTICES_MAX = 24000;
 const BEAD_LINE_M = 0.065;
 /** A ribbon stops short of the robot that drives it. */
 const CLEARANCE_M = 0.2;
-/** The faint part shows only behind things at least this far before it, so not across a robot that drives on it. */
-const HIDDEN_BY_M = 0.5;
+/** The faint part shows only behind things at least this far before it. */
+const HIDDEN_BY_M = 0.15;
 
 const VERTEX = `
 attribute vec2 side;
@@ -66,7 +69,9 @@ function makeMaterial(strength, hidden) {
   const material = new ShaderMaterial({
     vertexShader: VERTEX,
     fragmentShader: FRAGMENT,
-    transparent: true,
+    // Opaque things are drawn first: so the faint part comes before the robots, which cover it.
+    transparent: !hidden,
+    ...(hidden ? { blending: CustomBlending, blendSrc: SrcAlphaFactor, blendDst: OneMinusSrcAlphaFactor } : {}),
     depthWrite: false,
     polygonOffset: true,
     polygonOffsetFactor: -1,
@@ -106,7 +111,7 @@ export class Ribbons {
     this.meshes = [new Mesh(this.geometry, this.hidden), new Mesh(this.geometry, this.seen)];
     this.meshes.forEach((mesh, n) => {
       mesh.frustumCulled = false;
-      mesh.renderOrder = 2 + n;
+      mesh.renderOrder = n === 0 ? ORDER.hiddenRibbons : ORDER.ribbons;
     });
     this.used = { vertices: 0, indices: 0 };
     this.colour = new Color();

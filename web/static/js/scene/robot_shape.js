@@ -4,12 +4,13 @@
 import {
   BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry, LatheGeometry, Matrix4, Vector2,
 } from "three";
-import { ROBOT_TOP_M } from "./space.js";
+import { CARRIED_M, ROBOT_TOP_M } from "./space.js";
 
-/** What a part is painted with: its own colour, the robot's colour, or the robot's number plate. */
+/** What a part is painted with: its own colour, the robot's colour, the robot's number plate, or the face of the carried box. */
 const OWN = 0;
 const TEAM = 1;
 const PLATE = 2;
+const BOX = 3;
 
 /** @typedef {{ positions: number[], normals: number[], colours: number[], uvs: number[], paints: number[], indices: number[] }} Parts */
 
@@ -86,6 +87,12 @@ function addTopPlate(parts) {
   add(parts, top, "#ffffff", PLATE);
 }
 
+/** The box on top, which the shader draws only for robots that carry one. @param {Parts} parts */
+function addLoad(parts) {
+  const box = new BoxGeometry(CARRIED_M, CARRIED_M, CARRIED_M).rotateY(Math.PI / 2);
+  add(parts, box.translate(0, ROBOT_TOP_M + 0.006 + CARRIED_M / 2, 0), "#ffffff", BOX);
+}
+
 /** @returns {BufferGeometry} with position, normal, uv, base (own colour) and paint */
 export function makeRobotShape() {
   /** @type {Parts} */
@@ -93,6 +100,7 @@ export function makeRobotShape() {
   addBase(parts);
   addTower(parts);
   addTopPlate(parts);
+  addLoad(parts);
   const geometry = new BufferGeometry();
   const set = (/** @type {string} */ name, /** @type {number[]} */ values, /** @type {number} */ size) =>
     geometry.setAttribute(name, new BufferAttribute(new Float32Array(values), size));

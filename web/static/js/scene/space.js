@@ -21,6 +21,15 @@ export const RACK_DECKS_M = Object.freeze([0.12, 0.84, 1.56]);
 export const ROBOT_TOP_M = 0.42;
 export const RIBBON_M = 0.02;
 
+/** A carried box is smaller than the robot's top plate. Edge in metres. */
+export const CARRIED_M = 0.27;
+
+/**
+ * What is seen through racks is drawn between the standing hall and the robots, so that racks do not
+ * hide it and robots do.
+ */
+export const ORDER = Object.freeze({ hall: 0, hiddenRibbons: 1, solidAvatars: 2, robots: 3, shadows: 4, ribbons: 5, beads: 6, ghosts: 7, balloons: 8 });
+
 /** Field of view, vertical, in degrees. */
 export const FIELD_OF_VIEW_DEG = 60;
 

@@ -8,10 +8,11 @@ import { Callouts } from "./callouts.js";
 import { makeHall } from "./hall.js";
 import { makeLights } from "./light.js";
 import { Minimap } from "./minimap.js";
+import { makeBoxTexture } from "./racks.js";
 import { Ribbons } from "./ribbons.js";
 import { RobotFleet } from "./robots.js";
 import { Routes } from "./routes.js";
-import { cameraTurn, ROBOT_TOP_M } from "./space.js";
+import { cameraTurn } from "./space.js";
 import { Sprites } from "./sprites.js";
 
 /** @typedef {import("./space.js").HallPlan} HallPlan */
@@ -40,9 +41,8 @@ export class HallView {
     this.masks = new Uint8Array(robots);
     this.overlays = 0;
     const atlas = makeAtlas(document);
-    const standing = makeHall(document, hall, robots, atlas, stage.longestTexture_px);
-    this.boxes = standing.boxes;
-    this.fleet = new RobotFleet(robots, atlas);
+    const boxFace = makeBoxTexture(document);
+    this.fleet = new RobotFleet(robots, atlas, boxFace);
     this.routes = new Routes(robots);
     this.ribbons = new Ribbons(options.widestAt);
     this.beads = new Beads();
@@ -55,7 +55,7 @@ export class HallView {
     this.drawnVersion = -1;
     this.last_s = 0;
     stage.scene.add(
-      ...makeLights(), ...standing.meshes, this.fleet.mesh, this.fleet.shadows, ...this.ribbons.meshes,
+      ...makeLights(), ...makeHall(document, hall, { atlas, boxFace, longest_px: stage.longestTexture_px }), this.fleet.mesh, this.fleet.shadows, ...this.ribbons.meshes,
       this.beads.mesh, this.solid.mesh, this.ghosts.mesh, this.balloons.mesh, this.sprites.mesh,
     );
   }
@@ -98,11 +98,7 @@ export class HallView {
   /** @param {RobotSample[]} robots */
   #moveRobots(robots) {
     this.fleet.update(robots);
-    this.boxes.begin();
-    robots.forEach((sample, robot) => {
-      this.boxes.carry(robot, sample.carrying, sample.x_m, sample.y_m, ROBOT_TOP_M + 0.002, sample.heading);
-      this.routes.follow(robot, sample.x_m, sample.y_m);
-    });
+    robots.forEach((sample, robot) => this.routes.follow(robot, sample.x_m, sample.y_m));
   }
 
   /** @param {RobotSample[]} robots @param {number} now_s */
@@ -124,7 +120,7 @@ export class HallView {
     });
     this.solid.end();
     this.ghosts.end();
-    this.balloons.update({ x: eye.x, y: -eye.z }, now_s);
+    this.balloons.update({ x: eye.x, y: -eye.z, height_m: eye.y }, now_s);
   }
 
   /** @param {Viewpoint} at @param {RobotSample[]} robots @param {number} seconds */
