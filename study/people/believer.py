@@ -27,7 +27,6 @@ from study.warehouse.halls import CELL_M, TICK_HZ
 from study.warehouse.kernels import kernel
 from study.warehouse.state import WAITING, Floor, Motion, Record
 
-LOOK_TICKS = 30
 VISIT_CELLS = 3
 ASIDE_M = 1.3
 GOING, SERVING, THINKING = range(3)
@@ -240,7 +239,7 @@ def act(floor: Floor, motion: Motion, memory: Memory, shown: Shown, walker: Reco
     mind = memory.mind[0]
     cell = cell_of(motion.cells, trial.x, trial.y, floor.hall[0].stride)
     phase = mind.phase
-    if trial.tick % LOOK_TICKS == 0:
+    if trial.tick % int(memory.skill[0].walking_look_s * TICK_HZ) == 0:
         still = phase != GOING
         aim_view(trial, memory, floor.cosines, still)
         look(floor, motion, memory, shown, 1.0 if still else memory.skill[0].walking_factor)
