@@ -6,11 +6,9 @@ Errors go to stderr: exit code 2 for a wrong call, 1 for a failure.
 from __future__ import annotations
 
 import asyncio
-import json
 import os
 import sys
 from collections.abc import Callable
-from enum import StrEnum
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,6 +16,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from pydantic import ValidationError
 
+from server.command_words import AsJson, Mode, Role, Scale, Worker, report
+from server.learn_command import learn
 from study.errors import InvalidValue, NotFound, StudyError, UnknownStudy
 
 if TYPE_CHECKING:
@@ -39,47 +39,6 @@ DatabaseUrl = Annotated[
     str | None,
     typer.Option(help="sqlite:///FILE or postgresql://...; default VARIL_DATABASE_URL."),
 ]
-AsJson = Annotated[bool, typer.Option("--json", help="One JSON object as stdout's last line.")]
-
-
-class Scale(StrEnum):
-    """The halls by name."""
-
-    PRACTICE = "practice"
-    SMALL = "small"
-    STUDY = "study"
-    LARGE = "large"
-    LAB = "lab"
-
-
-class Worker(StrEnum):
-    """Simulated workers."""
-
-    CYCLIC = "cyclic"
-    WANDERER = "wanderer"
-    BLOCKER = "blocker"
-    BELIEVER = "believer"
-
-
-class Expert(StrEnum):
-    """Simulated experts."""
-
-    TABLE = "table"
-
-
-class Role(StrEnum):
-    """What an account may open."""
-
-    ADMIN = "admin"
-    EXPERT = "expert"
-
-
-class Mode(StrEnum):
-    """Whose data to export."""
-
-    LIVE = "live"
-    PILOT = "pilot"
-    BOT = "bot"
 
 
 @app.command()
@@ -153,46 +112,7 @@ def simulate(
     report(summary, as_json)
 
 
-@app.command()
-def learn(
-    out: Annotated[Path, typer.Option(help="Folder for dataset, policies and discrepancies.")],
-    scale: Scale = Scale.STUDY,
-    iterations: Annotated[int, typer.Option(min=1, help="25 pairs each.")] = 240,
-    seed: Annotated[int, typer.Option(min=0)] = 0,
-    expert: Annotated[Expert, typer.Option(help="Who sets the boxes.")] = Expert.TABLE,
-    worker: Annotated[Worker, typer.Option(help="Who carries on the work.")] = Worker.BELIEVER,
-    pair_unit: Annotated[str, typer.Option(help="agent or snapshot.")] = "agent",
-    beta: Annotated[str, typer.Option(help="linear, exponential(p) or first_only.")] = "linear",
-    classifier: Annotated[
-        str, typer.Option(help="svm, per_element, majority or cost_sensitive.")
-    ] = "svm",
-    box_mode: Annotated[str, typer.Option(help="follow or independent.")] = "follow",
-    label_source: Annotated[str, typer.Option(help="boxes, events or confirmed.")] = "boxes",
-    as_json: AsJson = False,
-) -> None:
-    """Learn a policy from a simulated expert by PolicyUp."""
-    from server.learning_runs import LearningOptions
-    from server.learning_runs import learn as run_learning
-    from study.learning.settings import LearningSettings
-
-    settings = LearningSettings(
-        iterations=iterations,
-        beta=beta,
-        box_mode=box_mode,
-        label_source=label_source,
-        pair_unit=pair_unit,
-        classifier=classifier,
-        seed=seed,
-    )
-    options = LearningOptions(
-        out=out,
-        settings=settings,
-        scale=scale.value,
-        expert=expert.value,
-        worker=worker.value,
-        quiet=as_json,
-    )
-    report(run_learning(options), as_json)
+app.command()(learn)
 
 
 @app.command()
@@ -307,16 +227,6 @@ def require_database(settings: Settings) -> None:
             f"there is no database at {file}",
             next_step="Run this where `varil serve` runs, or give --database-url.",
         )
-
-
-def report(summary: dict[str, Any], as_json: bool) -> None:
-    """Print a summary for a person, or as one JSON line for a program."""
-    if as_json:
-        typer.echo(json.dumps(summary))
-        return
-    width = max(len(name) for name in summary)
-    for name, value in summary.items():
-        typer.echo(f"{name.replace('_', ' '):<{width}}  {value}")
 
 
 def main() -> None:
