@@ -6,18 +6,18 @@ Errors go to stderr: exit code 2 for a wrong call, 1 for a failure.
 from __future__ import annotations
 
 import asyncio
-import json
 import os
 import sys
 from collections.abc import Callable
 from enum import StrEnum
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from pydantic import ValidationError
 
+from server.cli_bench import bench
+from server.cli_output import AsJson, report
 from study.errors import InvalidValue, NotFound, StudyError, UnknownStudy
 
 if TYPE_CHECKING:
@@ -32,14 +32,12 @@ app = typer.Typer(
 )
 user = typer.Typer(help="Accounts of staff.", no_args_is_help=True)
 app.add_typer(user, name="user")
-bench = typer.Typer(help="Measurements of this machine.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
 
 DatabaseUrl = Annotated[
     str | None,
     typer.Option(help="sqlite:///FILE or postgresql://...; default VARIL_DATABASE_URL."),
 ]
-AsJson = Annotated[bool, typer.Option("--json", help="One JSON object as stdout's last line.")]
 
 
 class Scale(StrEnum):
@@ -163,47 +161,6 @@ def export(
     report({"file": str(out), **counts}, as_json)
 
 
-@bench.command("live")
-def bench_live(
-    levels: Annotated[str, typer.Option(help="Numbers of trials, rising.")] = "100,200,300,400",
-    seconds: Annotated[float, typer.Option(min=1.0, help="Measured time per level.")] = 15.0,
-    as_json: AsJson = False,
-) -> None:
-    """How many participants' trials one core carries; about half a minute per level."""
-    from server.bench_live import bench_live as measure
-
-    try:
-        steps = [int(level) for level in levels.split(",")]
-    except ValueError:
-        steps = []
-    if not steps or steps[0] < 1 or any(b <= a for a, b in pairwise(steps)):
-        raise typer.BadParameter("wanted rising numbers of trials, as 100,200", param_hint="levels")
-    summary = measure(steps, seconds)
-    if not as_json:
-        summary |= {f"with_{level['trials']}": level for level in summary.pop("levels")}
-    report(summary, as_json)
-
-
-@bench.command("wire")
-def bench_wire(as_json: AsJson = False) -> None:
-    """Bytes per second to one participant, counted over whole trials."""
-    from server.bench_wire import measure_wire
-    from server.kernel_cache import open_kernel_cache
-
-    open_kernel_cache()
-    report({name: measure_wire(name) for name in ("varil", "arroch", "crmiar", "none")}, as_json)
-
-
-@bench.command("replay")
-def bench_replay(as_json: AsJson = False) -> None:
-    """Seconds to re-simulate five minutes of a trial from its journal."""
-    from server.bench_replay import measure_replay
-    from server.kernel_cache import open_kernel_cache
-
-    open_kernel_cache()
-    report(measure_replay(), as_json)
-
-
 @user.command("add")
 def add_user(
     name: str,
@@ -258,16 +215,6 @@ def require_database(settings: Settings) -> None:
             f"there is no database at {file}",
             next_step="Run this where `varil serve` runs, or give --database-url.",
         )
-
-
-def report(summary: dict[str, Any], as_json: bool) -> None:
-    """Print a summary for a person, or as one JSON line for a program."""
-    if as_json:
-        typer.echo(json.dumps(summary))
-        return
-    width = max(len(name) for name in summary)
-    for name, value in summary.items():
-        typer.echo(f"{name.replace('_', ' '):<{width}}  {value}")
 
 
 def main() -> None:
