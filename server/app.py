@@ -102,7 +102,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     hall: Hall = app.state.hall
     mask_server_logs()
     try:
-        with serve_alone(services.database):
+        async with serve_alone(services.database):
             await check_schema(services.database)
             await services.participants.register_studies()
             await hall.start()

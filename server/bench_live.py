@@ -16,7 +16,7 @@ import platform
 import socket
 import tempfile
 import time
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Collection, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
@@ -72,9 +72,9 @@ class BenchDesk:
         """The trial of this token, from its start."""
         return OpenTrial(self._setups[token])
 
-    async def commit(self, batches: Sequence[TrialBatch]) -> None:
+    async def commit(self, batches: Sequence[TrialBatch]) -> Collection[str]:
         """As in a study."""
-        await self._stored.commit(batches)
+        return await self._stored.commit(batches)
 
     async def finish(self, trial_id: str, result: TrialResult) -> None:
         """Nobody moves on."""

@@ -9,15 +9,17 @@ import asyncio
 import os
 import sys
 from collections.abc import Callable
-from itertools import pairwise
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from pydantic import ValidationError
 
-from server.command_words import AsJson, Mode, Role, Scale, Worker, report
-from server.learn_command import learn
+from server.cli_bench import bench
+from server.cli_choices import Scale, Worker
+from server.cli_learn import learn
+from server.cli_output import AsJson, report
 from study.errors import InvalidValue, NotFound, StudyError, UnknownStudy
 
 if TYPE_CHECKING:
@@ -32,13 +34,27 @@ app = typer.Typer(
 )
 user = typer.Typer(help="Accounts of staff.", no_args_is_help=True)
 app.add_typer(user, name="user")
-bench = typer.Typer(help="Measurements of this machine.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
 
 DatabaseUrl = Annotated[
     str | None,
     typer.Option(help="sqlite:///FILE or postgresql://...; default VARIL_DATABASE_URL."),
 ]
+
+
+class Role(StrEnum):
+    """What an account may open."""
+
+    ADMIN = "admin"
+    EXPERT = "expert"
+
+
+class Mode(StrEnum):
+    """Whose data to export."""
+
+    LIVE = "live"
+    PILOT = "pilot"
+    BOT = "bot"
 
 
 @app.command()
@@ -130,47 +146,6 @@ def export(
     require_database(settings)
     counts = asyncio.run(write_export(settings, study, mode.value if mode else None, out))
     report({"file": str(out), **counts}, as_json)
-
-
-@bench.command("live")
-def bench_live(
-    levels: Annotated[str, typer.Option(help="Numbers of trials, rising.")] = "100,200,300,400",
-    seconds: Annotated[float, typer.Option(min=1.0, help="Measured time per level.")] = 15.0,
-    as_json: AsJson = False,
-) -> None:
-    """How many participants' trials one core carries; about half a minute per level."""
-    from server.bench_live import bench_live as measure
-
-    try:
-        steps = [int(level) for level in levels.split(",")]
-    except ValueError:
-        steps = []
-    if not steps or steps[0] < 1 or any(b <= a for a, b in pairwise(steps)):
-        raise typer.BadParameter("wanted rising numbers of trials, as 100,200", param_hint="levels")
-    summary = measure(steps, seconds)
-    if not as_json:
-        summary |= {f"with_{level['trials']}": level for level in summary.pop("levels")}
-    report(summary, as_json)
-
-
-@bench.command("wire")
-def bench_wire(as_json: AsJson = False) -> None:
-    """Bytes per second to one participant, counted over whole trials."""
-    from server.bench_wire import measure_wire
-    from server.kernel_cache import open_kernel_cache
-
-    open_kernel_cache()
-    report({name: measure_wire(name) for name in ("varil", "arroch", "crmiar", "none")}, as_json)
-
-
-@bench.command("replay")
-def bench_replay(as_json: AsJson = False) -> None:
-    """Seconds to re-simulate five minutes of a trial from its journal."""
-    from server.bench_replay import measure_replay
-    from server.kernel_cache import open_kernel_cache
-
-    open_kernel_cache()
-    report(measure_replay(), as_json)
 
 
 @user.command("add")

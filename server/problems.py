@@ -13,8 +13,10 @@ from server.store.schema import SchemaMismatch
 from study.errors import (
     AnswerError,
     InvalidValue,
+    JournalError,
     NotAllowedLive,
     NotFound,
+    PolicyError,
     StudyError,
     UnknownToken,
     WrongMoment,
@@ -87,7 +89,7 @@ class Problem:
 
 _TABLE: tuple[tuple[type[StudyError], Problem], ...] = (
     (UnknownToken, Problem(404, "This link is not known here", 4401)),
-    (NotFound, Problem(404, "There is nothing at this address", 4404)),
+    (NotFound, Problem(404, "There is nothing at this address", 4401)),
     (AnswerError, Problem(422, "Some answers need your attention", 4400)),
     (NotAllowedLive, Problem(409, "This cannot be opened right now", 1013)),
     (WrongStep, Problem(409, "You are at another step", 4410)),
@@ -100,9 +102,11 @@ _TABLE: tuple[tuple[type[StudyError], Problem], ...] = (
     (StorageAway, Problem(503, "Our storage does not answer", 1013)),
     (SchemaMismatch, Problem(503, "The server is being updated", 1013)),
     (DatabaseInUse, Problem(503, "The server is being updated", 1013)),
+    (JournalError, Problem(500, "This round cannot go on", 4411)),
+    (PolicyError, Problem(500, "This round cannot go on", 4411)),
     (InvalidValue, Problem(400, "The server could not read this request", 4400)),
     (Refused, Problem(403, "This is not allowed", 4403)),
-    (StudyError, Problem(500, "Something went wrong on our side", 1011)),
+    (StudyError, Problem(500, "Something went wrong on our side", 1013)),
 )
 
 

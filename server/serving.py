@@ -93,7 +93,7 @@ async def _prepare(settings: Settings) -> str | None:
     """
     database = Database(settings.database)
     try:
-        with serve_alone(database):
+        async with serve_alone(database):
             await _prepare_schema(database)
             return await ensure_admin(database, settings)
     finally:

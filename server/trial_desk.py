@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any, cast
 
 from server.live.ports import Kind, OpenTrial, TrialBatch, TrialResult, TrialSetup
 from server.store.engine import Database
-from server.store.journals import add_batches, read_journal
+from server.store.journals import add_batches, lock_open, read_journal
 from server.store.moves import move
 from server.store.participants import (
     ParticipantRecord,
@@ -94,10 +94,13 @@ class StoredTrialDesk:
         document = policies.get(trial.policy_sha256 or "")
         return OpenTrial(_setup(trial, participant.mode, document), journal, events)
 
-    async def commit(self, batches: Sequence[TrialBatch]) -> None:
-        """Store what all rooms added, in one transaction."""
+    async def commit(self, batches: Sequence[TrialBatch]) -> Collection[str]:
+        """Store what all rooms added, in one transaction; returns the trials that are over."""
         async with self.database.writing() as session:
-            await add_batches(session, batches, self.clock())
+            open_ids = await lock_open(session, [batch.trial_id for batch in batches])
+            wanted = [batch for batch in batches if batch.trial_id in open_ids]
+            await add_batches(session, wanted, self.clock())
+        return {batch.trial_id for batch in batches} - open_ids
 
     async def finish(self, trial_id: str, result: TrialResult) -> None:
         """Store the result and move the participant on, in one transaction; once only."""

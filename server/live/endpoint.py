@@ -19,7 +19,8 @@ from server.live.line import find_line
 from server.live.outbox import Outbox, Send
 from server.live.sink import Sink
 from server.live.wire import CloseCode, WireError
-from study.errors import StudyError, UnknownToken, WrongStep
+from server.problems import problem_of
+from study.errors import StudyError
 
 logger = logging.getLogger(__name__)
 
@@ -173,7 +174,7 @@ class Session:
         try:
             room = await self._rooms.enter(self._token)
         except StudyError as problem:
-            self._refuse(_close_code(problem), problem.sentence)
+            self._refuse(CloseCode(problem_of(problem).close_code), problem.sentence)
         except Exception:
             logger.exception("a trial could not be opened")
             self._refuse(CloseCode.TRY_LATER, "the trial cannot be opened now; try again soon")
@@ -214,11 +215,3 @@ class Session:
         self._allowance_s = now_s
         if self._allowance < 0.0:
             raise WireError(f"at most {MESSAGES_PER_S:.0f} messages a second", "more")
-
-
-def _close_code(problem: StudyError) -> CloseCode:
-    if isinstance(problem, UnknownToken):
-        return CloseCode.UNKNOWN_TOKEN
-    if isinstance(problem, WrongStep):
-        return CloseCode.NO_TRIAL
-    return CloseCode.TRY_LATER

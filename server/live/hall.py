@@ -14,6 +14,7 @@ from server.live.ports import OpenTrial, TrialDesk
 from server.live.room import Room
 from server.live.ticker import Ticked, Ticker
 from server.live.wire import CloseCode
+from study.errors import WrongMoment
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -22,6 +23,16 @@ logger = logging.getLogger(__name__)
 
 Prepare = Callable[[], Awaitable[None]]
 GAVE_UP = "this trial had a fault and was paused; try again"
+
+
+class StillStoring(WrongMoment):
+    """A trial cannot be opened before everything that was played of it is stored."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "the last moments of this trial are still being stored",
+            next_step="The page tries again by itself.",
+        )
 
 
 class Hall:
@@ -36,7 +47,12 @@ class Hall:
         self.rooms: dict[str, Room] = {}
         self.ticker = Ticker(self.clock, self._give_up)
         self.writer = JournalWriter(
-            desk, self._all_rooms, self._forget, self._close_refused, self.clock
+            desk,
+            self._all_rooms,
+            self._forget,
+            self._close_refused,
+            self._close_over,
+            self.clock,
         )
         self._desk = desk
         self._prepare = prepare
@@ -77,6 +93,8 @@ class Hall:
         if self._preparing is not None:
             await asyncio.shield(self._preparing)
         while True:
+            if self.writer.owes and not await self.writer.flush():
+                raise StillStoring
             forgotten = self._forgotten
             opened = await self._desk.open_trial(token)
             trial_id = opened.setup.trial_id
@@ -117,10 +135,16 @@ class Hall:
         self.ticker.remove(room)
 
     def _close_refused(self, trial_id: str) -> None:
+        self._close(trial_id, CloseCode.TRY_LATER, "this trial could not be stored; open it again")
+
+    def _close_over(self, trial_id: str) -> None:
+        self._close(trial_id, CloseCode.NO_TRIAL, "this trial is over; load the page again")
+
+    def _close(self, trial_id: str, code: CloseCode, reason: str) -> None:
         room = self.rooms.get(trial_id)
         if room is not None:
             self._forget(room)
-            room.shut_down(CloseCode.TRY_LATER, "this trial could not be stored; open it again")
+            room.shut_down(code, reason)
 
     def _give_up(self, ticked: Ticked, problem: Exception) -> None:
         for room in self._all_rooms():

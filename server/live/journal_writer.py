@@ -33,6 +33,7 @@ class JournalWriter:
         rooms: Callable[[], Iterable[Room]],
         on_stored: Callable[[Room], None],
         on_refused: Callable[[str], None],
+        on_over: Callable[[str], None],
         clock: Clock,
     ) -> None:
         self.failing_since_s: float | None = None
@@ -42,6 +43,7 @@ class JournalWriter:
         self._rooms = rooms
         self._on_stored = on_stored
         self._on_refused = on_refused
+        self._on_over = on_over
         self._clock = clock
         self._pending: tuple[TrialBatch, ...] = ()
         self._left_over: list[TrialBatch] = []
@@ -50,9 +52,15 @@ class JournalWriter:
         self.between_commits = asyncio.Lock()
 
     def keep(self, batch: TrialBatch | None) -> None:
-        """Take over the last batch of a room that goes away."""
+        """Take over a room's batch; it is held until it is stored."""
         if batch is not None:
             self._left_over.append(batch)
+
+    @property
+    def owes(self) -> bool:
+        """Whether something of a trial that has no room any more is not stored yet."""
+        held = {room.setup.trial_id for room in self._rooms()}
+        return any(b.trial_id not in held for b in (*self._pending, *self._left_over))
 
     async def run(self) -> None:
         """Write once a second until cancelled; wait longer after each failure, up to 10 s."""
@@ -80,34 +88,35 @@ class JournalWriter:
     async def _commit(self) -> None:
         if self._pending:
             await self._commit_pending()
-        left_over, self._left_over = self._left_over, []
-        fresh = list(left_over)
         for room in self._rooms():
-            batch = room.take_batch()
-            if batch is not None:
-                fresh.append(batch)
+            self.keep(room.take_batch())
             if room.result is not None and room not in self._finished:
                 self._finished.append(room)
-        self._pending = tuple(fresh)
+        self._pending = tuple(self._left_over)
+        self._left_over = []
         if self._pending:
             await self._commit_pending()
 
     async def _commit_pending(self) -> None:
         try:
-            await self._desk.commit(self._pending)
+            over = await self._desk.commit(self._pending)
         except Exception:
             if self._failures < ALONE_AFTER_FAILURES:
                 raise
-            await self._commit_singly()
+            over = await self._commit_singly()
         self.commits += 1
         self._pending = ()
+        for trial_id in over:
+            self._drop(trial_id)
+            self._on_over(trial_id)
 
-    async def _commit_singly(self) -> None:
+    async def _commit_singly(self) -> set[str]:
         """After repeated failures: one trial that cannot be stored must not hold up the others."""
         refused: dict[str, Exception] = {}
+        over: set[str] = set()
         for batch in self._pending:
             try:
-                await self._desk.commit((batch,))
+                over |= set(await self._desk.commit((batch,)))
             except Exception as problem:
                 refused[batch.trial_id] = problem
         if len(refused) == len({batch.trial_id for batch in self._pending}):
@@ -116,8 +125,13 @@ class JournalWriter:
             logger.error(
                 "the trial %s cannot be stored and was given up", trial_id, exc_info=reason
             )
-            self._finished = [room for room in self._finished if room.setup.trial_id != trial_id]
+            self._drop(trial_id)
             self._on_refused(trial_id)
+        return over
+
+    def _drop(self, trial_id: str) -> None:
+        """Forget that this trial was to be finished."""
+        self._finished = [room for room in self._finished if room.setup.trial_id != trial_id]
 
     async def _finish(self) -> None:
         while self._finished:

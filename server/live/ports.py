@@ -6,7 +6,7 @@ hands it to `server.live.hall.Hall`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING, Literal, Protocol
@@ -94,8 +94,11 @@ class TrialDesk(Protocol):
         """
         ...
 
-    async def commit(self, batches: Sequence[TrialBatch]) -> None:
+    async def commit(self, batches: Sequence[TrialBatch]) -> Collection[str]:
         """Store the new chunks and events of all rooms in one transaction.
+
+        Returns the ids of trials that are over (their participant withdrew, or was given up):
+        nothing is stored of those, and their rooms are to be closed.
 
         Raises anything when it failed; the batches are then offered again, with later additions
         as further batches.

@@ -45,6 +45,7 @@ class CloseCode(IntEnum):
     SILENT = 4408
     TAKEN_OVER = 4409
     NO_TRIAL = 4410
+    CANNOT_RESUME = 4411
 
 
 class WireError(Exception):

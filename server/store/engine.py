@@ -26,14 +26,14 @@ class UnusableDatabase(StudyError):
 
 
 class DatabaseInUse(StudyError):
-    """Another server already serves from this SQLite file."""
+    """Another server already serves from this database."""
 
-    def __init__(self, file: Path) -> None:
-        self.file = file
+    def __init__(self, name: str) -> None:
+        self.name = name
         super().__init__(
-            f"another server is already running on the database {file}",
-            next_step="Stop that server, or give this one another file with VARIL_DATABASE_URL "
-            "(or a PostgreSQL address, which many servers may share).",
+            f"another server is already running on the database {name}",
+            next_step="Stop that server, or give this one another database with "
+            "VARIL_DATABASE_URL.",
         )
 
 
@@ -117,11 +117,16 @@ class Database:
         await self.engine.dispose()
 
 
-@contextmanager
-def serve_alone(database: Database) -> Iterator[None]:
-    """Hold the lock beside a SQLite file for as long as a server serves from it."""
+@asynccontextmanager
+async def serve_alone(database: Database) -> AsyncIterator[None]:
+    """Hold the database for as long as a server serves from it; raises `DatabaseInUse`.
+
+    Two servers would run the same trial twice. A SQLite file is held by a lock file beside it,
+    PostgreSQL by an advisory lock of one connection.
+    """
     if database.file is None:
-        yield
+        async with _hold_advisory_lock(database):
+            yield
         return
     lock = database.file.with_name(database.file.name + ".lock")
     handle = os.open(lock, os.O_RDWR | os.O_CREAT, 0o600)
@@ -129,10 +134,26 @@ def serve_alone(database: Database) -> Iterator[None]:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
-            raise DatabaseInUse(database.file) from error
+            raise DatabaseInUse(str(database.file)) from error
         yield
     finally:
         os.close(handle)
+
+
+@asynccontextmanager
+async def _hold_advisory_lock(database: Database) -> AsyncIterator[None]:
+    with _translate_trouble():
+        connection = await database.engine.connect()
+    try:
+        with _translate_trouble():
+            got = await connection.scalar(text("SELECT pg_try_advisory_lock(hashtext('varil'))"))
+            await connection.commit()
+        if not got:
+            raise DatabaseInUse(make_url(database.url).database or "")
+        yield
+    finally:
+        await connection.invalidate()
+        await connection.close()
 
 
 @contextmanager

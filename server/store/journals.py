@@ -24,6 +24,18 @@ T = TypeVar("T")
 _HASH = struct.Struct("<I8s")
 
 
+async def lock_open(session: AsyncSession, trial_ids: Sequence[str]) -> set[str]:
+    """Which of these trials are still running; they cannot end before the transaction does."""
+    found: set[str] = set()
+    for some in _slices(sorted(set(trial_ids))):
+        owners = select(Trial.participant_id).where(Trial.id.in_(some))
+        lock = select(Participant.id).where(Participant.id.in_(owners)).order_by(Participant.id)
+        await session.execute(lock.with_for_update())
+        running = select(Trial.id).where(Trial.id.in_(some), Trial.status == "open")
+        found |= set(await session.scalars(running))
+    return found
+
+
 async def add_batches(session: AsyncSession, batches: Sequence[TrialBatch], now: datetime) -> None:
     """Store new chunks and events of many trials; what is stored already is left alone."""
     newest = {batch.trial_id: batch for batch in batches}

@@ -90,6 +90,7 @@ class MemoryDesk:
         self.failures = 0
         self.opened = 0
         self.erased: set[str] = set()
+        self.over: set[str] = set()
 
     async def open_trial(self, token: str) -> OpenTrial:
         self.opened += 1
@@ -100,7 +101,7 @@ class MemoryDesk:
         chunks = tuple(self.chunks.get(setup.trial_id, ()))
         return OpenTrial(setup, chunks, tuple(self.events.get(setup.trial_id, ())))
 
-    async def commit(self, batches: Sequence[TrialBatch]) -> None:
+    async def commit(self, batches: Sequence[TrialBatch]) -> set[str]:
         await asyncio.sleep(0)
         if self.failures:
             self.failures -= 1
@@ -108,9 +109,12 @@ class MemoryDesk:
         if self.erased & {batch.trial_id for batch in batches}:
             raise LookupError("no such trial")
         for batch in batches:
+            if batch.trial_id in self.over:
+                continue
             if batch.chunk is not None:
                 self.chunks.setdefault(batch.trial_id, []).append(batch.chunk)
             self.events.setdefault(batch.trial_id, []).extend(batch.events)
+        return self.over & {batch.trial_id for batch in batches}
 
     async def finish(self, trial_id: str, result: TrialResult) -> None:
         assert self.chunks.get(trial_id) or result.ticks == 0, "committed before it is finished"

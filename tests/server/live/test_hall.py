@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from server.live import wire
-from server.live.hall import Hall
+from server.live.hall import Hall, StillStoring
 from study.errors import UnknownToken
 
 from .stage import PERIOD_S, SETUP, FakeClock, Listener, MemoryDesk, Stage, serve_stations, stand
@@ -184,6 +184,36 @@ async def test_a_damaged_journal_does_not_open() -> None:
     with pytest.raises(JournalError, match=r"tick 30: the replayed state differs"):
         await again.enter(TOKEN)
     assert again.rooms == {}
+
+
+async def test_a_trial_whose_participant_withdrew_is_closed() -> None:
+    """The next commit says that the trial is over: its page is told to load anew."""
+    clock, desk, hall = make("t-2")
+    stage, other = await enter(hall, clock), await enter(hall, clock, "token-t-2")
+    heard, others = stage.join(), other.join()
+    for one in (stage, other):
+        one.play(1.0, stand)
+    desk.over.add("t-1")
+    assert await hall.writer.flush()
+    assert heard.closed is not None
+    assert heard.closed[0] == wire.CloseCode.NO_TRIAL
+    assert set(hall.rooms) == {"t-2"}
+    assert desk.chunks.get("t-1") is None
+    assert others.closed is None
+
+
+async def test_a_trial_opens_only_when_its_last_moments_are_stored() -> None:
+    """A room that had a fault may not be opened from an older tick than it has played."""
+    clock, desk, hall = make()
+    stage = await enter(hall, clock)
+    stage.join()
+    stage.play(1.0, stand)
+    hall._give_up(stage.room, RuntimeError("a fault"))
+    desk.failures = 1
+    with pytest.raises(StillStoring):
+        await hall.enter(TOKEN)
+    again = await hall.enter(TOKEN)
+    assert again.world.tick == stage.room.world.tick
 
 
 async def test_watching_the_numbers() -> None:

@@ -20,6 +20,7 @@ const CLOSE_CODES = /** @type {Record<number, ConnectionState>} */ ({
   4408: "reload",
   4409: "taken-over",
   4410: "reload",
+  4411: "refused",
 });
 
 /**

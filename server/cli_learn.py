@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from server.command_words import AsJson, Expert, Scale, Worker, report
+from server.cli_choices import Expert, Scale, Worker
+from server.cli_output import AsJson, report
 
 
 def learn(

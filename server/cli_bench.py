@@ -1,0 +1,53 @@
+"""`varil bench`: what this machine carries, measured on the real code."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated
+
+import typer
+
+from server.cli_output import AsJson, report
+
+bench = typer.Typer(help="Measurements of this machine.", no_args_is_help=True)
+
+
+@bench.command("live")
+def bench_live(
+    levels: Annotated[str, typer.Option(help="Numbers of trials, rising.")] = "100,200,300,400",
+    seconds: Annotated[float, typer.Option(min=1.0, help="Measured time per level.")] = 15.0,
+    as_json: AsJson = False,
+) -> None:
+    """How many participants' trials one core carries; about half a minute per level."""
+    from server.bench_live import bench_live as measure
+
+    try:
+        steps = [int(level) for level in levels.split(",")]
+    except ValueError:
+        steps = []
+    if not steps or steps[0] < 1 or any(b <= a for a, b in pairwise(steps)):
+        raise typer.BadParameter("wanted rising numbers of trials, as 100,200", param_hint="levels")
+    summary = measure(steps, seconds)
+    if not as_json:
+        summary |= {f"with_{level['trials']}": level for level in summary.pop("levels")}
+    report(summary, as_json)
+
+
+@bench.command("wire")
+def bench_wire(as_json: AsJson = False) -> None:
+    """Bytes per second to one participant, counted over whole trials."""
+    from server.bench_wire import measure_wire
+    from server.kernel_cache import open_kernel_cache
+
+    open_kernel_cache()
+    report({name: measure_wire(name) for name in ("varil", "arroch", "crmiar", "none")}, as_json)
+
+
+@bench.command("replay")
+def bench_replay(as_json: AsJson = False) -> None:
+    """Seconds to re-simulate five minutes of a trial from its journal."""
+    from server.bench_replay import measure_replay
+    from server.kernel_cache import open_kernel_cache
+
+    open_kernel_cache()
+    report(measure_replay(), as_json)

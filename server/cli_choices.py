@@ -1,0 +1,30 @@
+"""The halls and the simulated people as choices on the command line."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+
+class Scale(StrEnum):
+    """The halls by name."""
+
+    PRACTICE = "practice"
+    SMALL = "small"
+    STUDY = "study"
+    LARGE = "large"
+    LAB = "lab"
+
+
+class Worker(StrEnum):
+    """Simulated workers."""
+
+    CYCLIC = "cyclic"
+    WANDERER = "wanderer"
+    BLOCKER = "blocker"
+    BELIEVER = "believer"
+
+
+class Expert(StrEnum):
+    """Simulated experts."""
+
+    TABLE = "table"
