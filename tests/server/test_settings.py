@@ -16,7 +16,7 @@ from server.settings import Settings
 from server.store.engine import DatabaseInUse
 from server.store.schema import SchemaMismatch
 from study.config import Study
-from study.errors import NotAllowedLive
+from study.errors import InvalidValue, NotAllowedLive
 
 
 def test_the_key_is_made_once_and_private(tmp_path: Path) -> None:
@@ -30,7 +30,7 @@ def test_the_key_is_made_once_and_private(tmp_path: Path) -> None:
 
 def test_an_empty_key_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "secret_key").touch()
-    with pytest.raises(ValueError, match="Delete it"):
+    with pytest.raises(InvalidValue, match="Delete it"):
         Settings(var_dir=tmp_path).read_secret_key()
 
 
