@@ -127,12 +127,6 @@ def comes_before(plan: Plan, step: str, progress: Progress) -> bool:
     return steps.index(step) < steps.index(progress.step)
 
 
-def fraction_done(plan: Plan, progress: Progress) -> float:
-    """Share of the steps already taken, 0 at consent and 1 at the debrief."""
-    steps = plan.steps
-    return steps.index(progress.step) / (len(steps) - 1)
-
-
 def advance(plan: Plan, progress: Progress, submission: Submission) -> Progress:
     """The progress after a submission; raises `WrongStep` if it does not belong here."""
     if isinstance(submission, Withdrawal):

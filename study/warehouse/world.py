@@ -31,7 +31,7 @@ from study.warehouse.state import (
 from study.warehouse.step import step_world
 from study.warehouse.tasks import TaskSource
 
-__all__ = ["InputFrame", "RobotState", "World", "WorldEvent", "compile_kernels"]
+__all__ = ["RobotState", "World", "WorldEvent", "compile_kernels"]
 
 MOST_FRAMES = 3
 Status = Literal["running", "completed", "timed_out"]
@@ -48,14 +48,6 @@ EVENT_DATA: Mapping[str, tuple[str, ...]] = {
     "trial_timed_out": (),
 }
 """What each kind of event carries in its data."""
-
-
-@dataclass(frozen=True)
-class InputFrame:
-    """1/30 s of the human: held keys (bits W 1, A 2, S 4, D 8) and the view's yaw (u16)."""
-
-    keys: int
-    yaw: int
 
 
 @dataclass(frozen=True)
