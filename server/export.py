@@ -210,7 +210,6 @@ def _complete_row(
     """Add what is not stored because it follows from the version of the study."""
     study = versions[row["config_hash"]]
     if table is PARTICIPANTS:
-        row["status"] = row["outcome"] or "active"
         order = row["order_index"]
         row["condition_order"] = None if order is None else ">".join(study.orders[order])
     if table is RESPONSES:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 from server.live.ports import Kind, OpenTrial, TrialBatch, TrialResult, TrialSetup
 from server.store.engine import Database
 from server.store.journals import add_batches, lock_open, read_journal
-from server.store.moves import move
+from server.store.moves import move, welcome_back, welcome_players
 from server.store.participants import (
     ParticipantRecord,
     find_participant,
@@ -21,6 +21,7 @@ from server.store.participants import (
 from server.store.studies import read_version
 from server.store.trials import (
     TrialRecord,
+    UnknownTrial,
     add_trial,
     find_trial,
     keep_policy,
@@ -81,6 +82,7 @@ class StoredTrialDesk:
             if participant.mode == "live" and self.time_scale != 1.0:
                 raise NotAllowedLive(f"a time scale of {self.time_scale:g}")
             await note_shown(session, participant.id, now)
+            await welcome_back(session, [participant], now)
             attempt = participant.progress.practice_tries + 1 if step == "practice" else 1
             trial = await find_trial(session, participant.id, step, attempt)
             if trial is None:
@@ -100,13 +102,17 @@ class StoredTrialDesk:
             open_ids = await lock_open(session, [batch.trial_id for batch in batches])
             wanted = [batch for batch in batches if batch.trial_id in open_ids]
             await add_batches(session, wanted, self.clock())
+            await welcome_players(session, open_ids, self.clock())
         return {batch.trial_id for batch in batches} - open_ids
 
     async def finish(self, trial_id: str, result: TrialResult) -> None:
         """Store the result and move the participant on, in one transaction; once only."""
         now = self.clock()
         async with self.database.writing() as session:
-            owner = (await read_trial(session, trial_id)).participant_id
+            try:
+                owner = (await read_trial(session, trial_id)).participant_id
+            except UnknownTrial:
+                return  # its participant's data were erased meanwhile
             participant = await read_participant(session, owner, lock=True)
             trial = await read_trial(session, trial_id, lock=True)
             if trial.status != "open":

@@ -10,7 +10,7 @@ from starlette.responses import Response, StreamingResponse
 
 from server.deps import AdminDep, ServicesDep
 from server.export import MODES, stream_export
-from server.store.participants import ParticipantRecord, count_by_outcome, list_participants
+from server.store.participants import ParticipantRecord, count_by_status, list_participants
 from server.store.users import add_audit
 from server.trial_desk import utc_now
 from study.config import Study
@@ -31,11 +31,11 @@ async def show_participants(
         records, total = await list_participants(
             session, shown.study_id, offset=(page - 1) * PAGE_ROWS, limit=PAGE_ROWS
         )
-        outcomes = await count_by_outcome(session)
+        statuses = await count_by_status(session)
     counts: dict[str, int] = {}
-    for (study_id, mode, outcome), number in sorted(outcomes.items()):
+    for (study_id, mode, status), number in sorted(statuses.items()):
         if study_id == shown.study_id:
-            counts[f"{mode}, {outcome}"] = number
+            counts[f"{mode}, {status}"] = number
     values = {
         "user": user,
         "study": shown,
@@ -86,7 +86,7 @@ def _row(record: ParticipantRecord, study: Study) -> dict[str, Any]:
         "code": record.code,
         "mode": record.mode,
         "step": record.progress.step,
-        "status": record.progress.outcome or "active",
+        "status": record.progress.life.status,
         "order": order,
         "joined": _moment(record.joined_at),
         "seen": _moment(record.seen_at),

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator
 from typing import Any
 
-from sqlalchemy import or_, select
+from sqlalchemy import select
 from sqlalchemy.ext.asyncio import AsyncSession
 
 from server.store.tables import (
@@ -45,10 +45,10 @@ Query = Any  # a select of any columns: its row type has no name that fits them 
 
 
 def participant_rows(session: AsyncSession, study_id: str, mode: str | None) -> Rows:
-    """Everybody, with step, outcome and place in the design."""
+    """Everybody, with step, status and place in the design."""
     query = select(
         *_ORIGIN,
-        Participant.outcome,
+        Participant.status,
         Participant.step,
         Participant.order_index,
         Participant.block,
@@ -146,7 +146,7 @@ def _narrow(query: Query, study_id: str, mode: str | None) -> Query:
 
 
 def _not_withdrawn() -> Any:
-    return or_(Participant.outcome.is_(None), Participant.outcome != "withdrawn")
+    return Participant.status != "withdrawn"
 
 
 async def _stream(session: AsyncSession, query: Query) -> Rows:

@@ -2,68 +2,26 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import Any
 
 from sqlalchemy import (
-    JSON,
     BigInteger,
     CheckConstraint,
-    DateTime,
-    Dialect,
     ForeignKey,
     Index,
-    Integer,
-    LargeBinary,
-    MetaData,
     String,
     Text,
-    TypeDecorator,
     UniqueConstraint,
 )
-from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+from sqlalchemy.orm import Mapped, mapped_column
 
-RowId = BigInteger().with_variant(Integer, "sqlite")
+from server.store.base import Base, RowId
 
-
-class UtcTime(TypeDecorator[datetime]):
-    """A moment in UTC; SQLite forgets time zones, so they are put back on the way out."""
-
-    impl = DateTime(timezone=True)
-    cache_ok = True
-
-    def process_bind_param(self, value: datetime | None, dialect: Dialect) -> datetime | None:
-        """Refuse naive times at the door."""
-        del dialect
-        if value is not None and value.tzinfo is None:
-            raise ValueError("times are stored in UTC and must say so")
-        return value.astimezone(UTC) if value is not None else None
-
-    def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:
-        """Give every time its zone."""
-        del dialect
-        if value is None:
-            return None
-        return value.astimezone(UTC) if value.tzinfo else value.replace(tzinfo=UTC)
-
-
-class Base(DeclarativeBase):
-    """Base of all tables, with named constraints so that migrations can find them."""
-
-    metadata = MetaData(
-        naming_convention={
-            "ix": "ix_%(column_0_label)s",
-            "uq": "uq_%(table_name)s_%(column_0_N_name)s",
-            "ck": "ck_%(table_name)s_%(constraint_name)s",
-            "fk": "fk_%(table_name)s_%(column_0_name)s",
-            "pk": "pk_%(table_name)s",
-        }
-    )
-    type_annotation_map = {  # noqa: RUF012 - SQLAlchemy reads it as a plain class attribute
-        datetime: UtcTime(),
-        dict[str, Any]: JSON(),
-        bytes: LargeBinary(),
-    }
+STATUS_RULE = (
+    "status IN ('joined', 'active', 'paused', 'completed', 'screened-out', 'withdrawn', "
+    "'timed-out', 'excluded')"
+)
 
 
 class StudyVersion(Base):
@@ -78,14 +36,16 @@ class StudyVersion(Base):
 
 
 class Participant(Base):
-    """One participation. The token is stored hashed; panel ids live in a table of their own."""
+    """One participation. The token is stored hashed; panel ids live in a table of their own.
+
+    `status_before` is what an excluded one was before. Of an erased one this row stays as a
+    tombstone: its code, where it stood, and when.
+    """
 
     __tablename__ = "participants"
     __table_args__ = (
         CheckConstraint("mode IN ('live', 'pilot', 'bot')", name="mode"),
-        CheckConstraint(
-            "outcome IN ('completed', 'screened-out', 'withdrawn', 'timed-out')", name="outcome"
-        ),
+        CheckConstraint(STATUS_RULE, name="status"),
         Index("ix_participants_study_mode", "study_id", "mode"),
     )
     id: Mapped[int] = mapped_column(RowId, primary_key=True)
@@ -97,13 +57,32 @@ class Participant(Base):
     is_bot: Mapped[bool]
     step: Mapped[str] = mapped_column(String(40))
     practice_tries: Mapped[int]
-    outcome: Mapped[str | None] = mapped_column(String(20))
+    status: Mapped[str] = mapped_column(String(20))
+    status_before: Mapped[str | None] = mapped_column(String(20))
     block: Mapped[int | None]
     order_index: Mapped[int | None]
     joined_at: Mapped[datetime]
     seen_at: Mapped[datetime]
     step_shown_at: Mapped[datetime | None]
     ended_at: Mapped[datetime | None]
+    erased_at: Mapped[datetime | None]
+
+
+class ParticipantChange(Base):
+    """One change of a participation's status, with its reason; rows are added, never changed.
+
+    `actor` is `participant`, `server` or the name of a staff account.
+    """
+
+    __tablename__ = "participant_changes"
+    __table_args__ = (Index("ix_participant_changes_participant_id", "participant_id"),)
+    id: Mapped[int] = mapped_column(RowId, primary_key=True)
+    participant_id: Mapped[int] = mapped_column(ForeignKey("participants.id"))
+    at: Mapped[datetime]
+    from_status: Mapped[str | None] = mapped_column(String(20))
+    to_status: Mapped[str] = mapped_column(String(20))
+    reason: Mapped[str] = mapped_column(String(200))
+    actor: Mapped[str] = mapped_column(String(64))
 
 
 class PanelId(Base):
@@ -121,8 +100,8 @@ class Claim(Base):
     __tablename__ = "claims"
     __table_args__ = (
         CheckConstraint("kind IN ('claimed', 'completed', 'released')", name="kind"),
-        UniqueConstraint("participant_id", "kind"),
         Index("ix_claims_study_mode", "study_id", "mode"),
+        Index("ix_claims_participant_id", "participant_id"),
     )
     id: Mapped[int] = mapped_column(RowId, primary_key=True)
     study_id: Mapped[str] = mapped_column(String(40))
@@ -188,6 +167,29 @@ class Trial(Base):
     boxes_delivered: Mapped[int | None]
     longest_stall_s: Mapped[float | None]
     overlaps: Mapped[int | None]
+
+
+class TrialQuality(Base):
+    """How well the connection, the picture and the attention were in one ended trial."""
+
+    __tablename__ = "trial_quality"
+    trial_id: Mapped[str] = mapped_column(ForeignKey("trials.id"), primary_key=True)
+    rtt_median_ms: Mapped[float | None]
+    rtt_p95_ms: Mapped[float | None]
+    frame_rate_median_hz: Mapped[float | None]
+    frame_rate_p5_hz: Mapped[float | None]
+    long_frames: Mapped[int | None]
+    longest_frame_ms: Mapped[float | None]
+    hidden_s: Mapped[float | None]
+    unfocused_s: Mapped[float | None]
+    pointer_lock_losses: Mapped[int | None]
+    pauses: Mapped[int]
+    paused_s: Mapped[float]
+    idle_s: Mapped[float]
+    tick_late_p99_ms: Mapped[float | None]
+    tick_late_max_ms: Mapped[float | None]
+    connections: Mapped[int]
+    reports: Mapped[int]
 
 
 class TrialRobot(Base):

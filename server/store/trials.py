@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import select, update
+from sqlalchemy import func, select, update
 from sqlalchemy.ext.asyncio import AsyncSession
 
 from server.store.inserting import insert_new
@@ -156,6 +156,26 @@ async def abandon_open(session: AsyncSession, participant_id: int, now: datetime
         update(Trial)
         .where(Trial.participant_id == participant_id, Trial.status == "open")
         .values(status="abandoned", ended_at=now)
+    )
+
+
+async def reopen_abandoned(session: AsyncSession, participant_id: int, step: str) -> None:
+    """Open again what was given up at this step only because the participation had ended."""
+    newest = (
+        select(func.max(Trial.attempt))
+        .where(Trial.participant_id == participant_id, Trial.step == step)
+        .scalar_subquery()
+    )
+    await session.execute(
+        update(Trial)
+        .where(
+            Trial.participant_id == participant_id,
+            Trial.step == step,
+            Trial.attempt == newest,
+            Trial.status == "abandoned",
+            Trial.state_hash.is_(None),
+        )
+        .values(status="open", ended_at=None)
     )
 
 

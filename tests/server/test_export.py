@@ -92,7 +92,7 @@ async def check_export_equals_database(database: Database) -> None:
     tables = await read_bundle(database)
     async with database.reading() as session:
         people = {p.id: p for p in await session.scalars(select(Participant))}
-        kept = {key: p for key, p in people.items() if p.outcome != "withdrawn"}
+        kept = {key: p for key, p in people.items() if p.status != "withdrawn"}
         trials = [
             t
             for t in await session.scalars(select(Trial))
@@ -102,7 +102,7 @@ async def check_export_equals_database(database: Database) -> None:
         robots = [r for r in await session.scalars(select(TrialRobot)) if r.trial_id in ids]
         answers = [r for r in await session.scalars(select(Response)) if r.participant_id in kept]
     assert {(r["participant_code"], r["status"]) for r in tables["participants"]} == {
-        (p.code, p.outcome or "active") for p in people.values()
+        (p.code, p.status) for p in people.values()
     }
     assert {
         (r["trial_id"], r["position"], r["seed"], r["sum_wait_s"]) for r in tables["trials"]
