@@ -11,7 +11,7 @@ from sqlalchemy import func, select, update
 from sqlalchemy.ext.asyncio import AsyncSession
 
 from server.store.inserting import insert_new
-from server.store.tables import StoredPolicy, Trial, TrialLeg, TrialRobot
+from server.store.tables import StoredPolicy, Trial, TrialLeg, TrialQuality, TrialRobot
 from study.errors import NotFound
 
 if TYPE_CHECKING:
@@ -147,6 +147,8 @@ async def store_result(session: AsyncSession, trial_id: str, result: TrialResult
         )
         for leg in measures.legs
     )
+    if result.quality is not None:
+        session.add(TrialQuality(trial_id=trial_id, **vars(result.quality)))
     await session.flush()
 
 
