@@ -11,15 +11,15 @@ import hashlib
 import json
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from joblib import Parallel, delayed
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from server.kernel_cache import open_kernel_cache
+from server.backends import Backend, NoCluster
+from server.kernel_cache import kernel_digest, open_kernel_cache
 from server.policy_files import read_policy_file, shipped_policy
 from study.ar.conditions import build_condition
 from study.errors import InvalidValue
@@ -43,7 +43,7 @@ class SimulationOptions:
     worker: str = "cyclic"
     trials: int = 10
     seed: int = 0
-    workers: int = 1
+    backend: Backend = field(default_factory=Backend)
     quiet: bool = False
 
 
@@ -64,7 +64,8 @@ def run_simulation(options: SimulationOptions) -> dict[str, Any]:
     open_kernel_cache()
     simulate_trial(build_layout(PRESETS["practice"]), 0, options.worker)
     started_s = time.perf_counter()
-    batches = list(_watch(options, spec, policy, console))
+    work = BatchWork(spec, options.worker, options.condition, policy)
+    batches = list(_watch(options, work, console))
     wall_s = time.perf_counter() - started_s
     finished = sorted((t for batch in batches for t in batch.trials), key=lambda t: t.seed)
     _write_tables(options, spec, policy.sha256 if policy else "", finished)
@@ -78,6 +79,7 @@ class Batch:
 
     trials: list[HeadlessTrial]
     cpu_s: float
+    kernels: str
 
 
 def choose_scale(name: str) -> HallSpec:
@@ -109,44 +111,53 @@ def summarize(
     }
 
 
-def _run_batch(
-    spec: HallSpec, seeds: list[int], worker: str, condition: str, policy: Policy | None
-) -> Batch:
-    """Run some trials in a worker process; the code that the parent compiled is only loaded."""
-    open_kernel_cache()
-    layout = build_layout(spec)
-    simulate_trial(build_layout(PRESETS["practice"]), 0, worker)
-    started_s = time.process_time()
-    trials = list(simulate_many(layout, seeds, worker, condition, policy))
-    return Batch(trials, time.process_time() - started_s)
+@dataclass(frozen=True)
+class BatchWork:
+    """What every batch of a run has in common; called with the seeds of one batch."""
+
+    spec: HallSpec
+    worker: str
+    condition: str
+    policy: Policy | None
+
+    def __call__(self, seeds: list[int]) -> Batch:
+        """Run trials in a worker process; the code that the parent compiled is only loaded."""
+        open_kernel_cache()
+        layout = build_layout(self.spec)
+        simulate_trial(build_layout(PRESETS["practice"]), 0, self.worker)
+        started_s = time.process_time()
+        trials = list(simulate_many(layout, seeds, self.worker, self.condition, self.policy))
+        return Batch(trials, time.process_time() - started_s, kernel_digest())
 
 
-def _results(options: SimulationOptions, spec: HallSpec, policy: Policy | None) -> Iterator[Batch]:
+def _results(options: SimulationOptions, work: BatchWork) -> Iterator[Batch]:
     seeds = [options.seed + n for n in range(options.trials)]
-    processes = min(options.workers, options.trials)
+    processes = min(options.backend.processes, options.trials)
     size = max(1, min(LARGEST_BATCH, -(-options.trials // (4 * processes))))
     batches = [seeds[n : n + size] for n in range(0, len(seeds), size)]
-    what = (options.worker, options.condition, policy)
-    jobs = (delayed(_run_batch)(spec, batch, *what) for batch in batches)
-    run = Parallel(n_jobs=processes, backend="loky", return_as="generator_unordered")
-    yield from run(jobs)
+    for batch in options.backend.run(work, batches):
+        if batch.kernels != kernel_digest():
+            raise NoCluster(
+                "a worker of the cluster runs another version of this program, so its trials "
+                "would not be the same",
+                next_step="Install the same version, with the same libraries, on every worker.",
+            )
+        yield batch
 
 
-def _watch(
-    options: SimulationOptions, spec: HallSpec, policy: Policy | None, console: Console
-) -> Iterator[Batch]:
+def _watch(options: SimulationOptions, work: BatchWork, console: Console) -> Iterator[Batch]:
     """Yield the finished trials; show a bar on a terminal, else a line now and then."""
     if console.is_terminal:
         columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
         with Progress(*columns, TimeRemainingColumn(), console=console) as progress:
             bar = progress.add_task(f"{options.scale}, {options.worker}", total=options.trials)
-            for batch in _results(options, spec, policy):
+            for batch in _results(options, work):
                 progress.advance(bar, len(batch.trials))
                 yield batch
         return
     done = 0
     told_s = time.perf_counter()
-    for batch in _results(options, spec, policy):
+    for batch in _results(options, work):
         done += len(batch.trials)
         if done == options.trials or time.perf_counter() - told_s >= LINE_EVERY_S:
             told_s = time.perf_counter()
