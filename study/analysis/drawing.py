@@ -40,7 +40,7 @@ STYLES: Mapping[str, Style] = MappingProxyType(
         "full": Style("#E69F00", (0.0, (6.0, 2.0, 1.0, 2.0, 1.0, 2.0)), "xxx"),
         "all_off": Style("#CC79A7", (0.0, (3.0, 1.0)), "---"),
         "no_ghost": Style("#56B4E9", (0.0, (1.0, 1.0)), "+++"),
-        "majority": Style("#CC79A7", (0.0, (5.0, 1.0, 1.0, 1.0)), "ooo"),
+        "majority": Style("#E69F00", (0.0, (5.0, 1.0, 1.0, 1.0)), "ooo"),
         "per_element": Style("#009E73", (0.0, (4.0, 2.0)), "|||"),
         "floor": Style(INK, ":", "**"),
     }
@@ -85,12 +85,23 @@ def style_of(name: str, place: int = 0) -> Style:
 
 
 def new_figure(
-    width_in: float = 6.4, height_in: float = 4.0, *, rows: int = 1, columns: int = 1
+    width_in: float = 6.4,
+    height_in: float = 4.0,
+    *,
+    rows: int = 1,
+    columns: int = 1,
+    share: bool = True,
 ) -> tuple[Figure, list[Axes]]:
-    """An empty figure and its axes, row by row; rows share their x axis, columns their y axis."""
+    """An empty figure and its axes, row by row; `share`: x axes by column, y axes by row."""
     with mpl.rc_context(dict(_LOOK)):
         figure = Figure(figsize=(width_in, height_in), layout="constrained")
-        grid = figure.subplots(rows, columns, squeeze=False, sharex="col", sharey="row")
+        grid = figure.subplots(
+            rows,
+            columns,
+            squeeze=False,
+            sharex="col" if share else "none",
+            sharey="row" if share else "none",
+        )
         axes = [axis for row in grid for axis in row]
         for axis in axes:
             axis.spines[["top", "right"]].set_visible(False)

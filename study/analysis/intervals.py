@@ -79,10 +79,42 @@ def bootstrap_crossed(
         raise InvalidValue("a crossed interval needs a full table of finite values")
     runs, trials = table.shape
     generator = np.random.default_rng(seed)
-    picks = generator.multinomial(runs, np.full(runs, 1 / runs), draws) / runs
-    weights = generator.multinomial(trials, np.full(trials, 1 / trials), draws) / trials
-    means = np.einsum("dr,rt,dt->d", picks, table, weights, optimize=True)
+    picks, weights = _shares(generator, runs, draws), _shares(generator, trials, draws)
+    means = np.einsum("dt,dt->d", picks @ table, weights)
     return _between(float(table.mean()), means, level, trials)
+
+
+def bootstrap_difference(
+    ours: Floats,
+    theirs: Floats,
+    seed: int,
+    *,
+    shared_runs: bool = False,
+    draws: int = DRAWS,
+    level: float = LEVEL,
+) -> Interval:
+    """Interval of mean(ours) - mean(theirs), float64[runs, trials] each, trial by trial.
+
+    Trials are drawn once for both. Runs are drawn for each on its own, or once for both where
+    run n of one belongs to run n of the other (`shared_runs`). `n` counts trials.
+    """
+    mine, other = np.asarray(ours, np.float64), np.asarray(theirs, np.float64)
+    if mine.ndim != 2 or other.ndim != 2 or mine.shape[1] != other.shape[1]:
+        raise InvalidValue(f"tables {mine.shape} and {other.shape} do not hold the same trials")
+    if shared_runs:
+        return bootstrap_crossed(mine - other, seed, draws=draws, level=level)
+    generator = np.random.default_rng(seed)
+    picks = _shares(generator, len(mine), draws)
+    others = _shares(generator, len(other), draws)
+    weights = _shares(generator, mine.shape[1], draws)
+    differences = picks @ mine - others @ other
+    means = np.einsum("dt,dt->d", differences, weights)
+    return _between(float(mine.mean() - other.mean()), means, level, mine.shape[1])
+
+
+def _shares(generator: np.random.Generator, count: int, draws: int) -> Floats:
+    """How often each of `count` is drawn, as shares: float64[draws, count]."""
+    return generator.multinomial(count, np.full(count, 1 / count), draws) / count
 
 
 def _between(mean: float, means: Floats, level: float, n: int) -> Interval:
