@@ -274,11 +274,11 @@ class PolicyUp:
         self.by_expert = np.array(record["by_expert"], dtype=np.bool_)
         self._streams = [Draws(int(state)) for state in record["streams"]]
         self.boxes.load(record["boxes"])
-        closed = max((pair.iteration for pair in dataset.pairs), default=0)
-        if len(versions) != record["versions"] or not self.j - 1 <= closed <= self.j:
+        begun = max((pair.iteration + 1 for pair in dataset.pairs), default=0)
+        if len(versions) != record["versions"] or not self.j <= begun <= self.j + 1:
             raise JournalError(
-                f"{len(versions)} versions and pairs of iteration {closed} do not fit"
-                f" {record['versions']} versions and iteration {self.j}",
+                f"{len(versions)} versions and pairs of {begun} iterations do not fit"
+                f" {record['versions']} versions and {self.j} closed iterations",
                 where=f"trial {self.trial}",
                 next_step="Restore this learning run from a backup.",
             )
