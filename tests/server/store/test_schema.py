@@ -64,7 +64,7 @@ async def test_a_failed_transaction_leaves_nothing(database: Database) -> None:
     async def fail_half_way() -> None:
         async with database.writing() as session:
             await session.execute(
-                text("INSERT INTO policies VALUES ('a', 'b', '2026-01-01 00:00:00')")
+                text("INSERT INTO alembic_version VALUES ('0000')")
             )
             raise RuntimeError("half way")
 
