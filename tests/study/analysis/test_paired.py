@@ -45,8 +45,8 @@ def test_policies_of_one_run_are_paired_by_run() -> None:
 def test_runs_of_two_kinds_are_drawn_apart() -> None:
     """Two kinds of learning have no runs in common, so the runs' spread stays in the interval."""
     offsets = {"a": 0.0, "b": 300.0, "c": 900.0}
-    mine = {f"x{run}": {seed: value for seed in range(40)} for run, value in offsets.items()}
-    other = {f"y{run}": {seed: value for seed in range(40)} for run, value in offsets.items()}
+    mine = {f"x{run}": dict.fromkeys(range(40), value) for run, value in offsets.items()}
+    other = {f"y{run}": dict.fromkeys(range(40), value) for run, value in offsets.items()}
     found = compare_groups(Group("P6", mine), Group("P6 other", other), 1)
     assert found is not None
     assert found.seconds.mean == pytest.approx(0)
