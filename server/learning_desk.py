@@ -174,12 +174,12 @@ class StoredLearningDesk:
             documents = await runs.read_versions(session, run_id)
             pairs = [pair async for pair in runs.stream_pairs(session, run_id)]
             ratings = await runs.read_ratings(session, run_id)
-            present = trials[-1] if trials and trials[-1].status == "open" else None
+            last = trials[-1] if trials else None
             trial, start = None, None
-            if present is not None:
-                journal, events = await read_journal(session, present.id)
-                setup = read_setup(present, present.config["mode"], None)
-                trial, start = OpenTrial(setup, journal, events), present.config[STEP]["start"]
+            if last is not None:
+                journal, events = await read_journal(session, last.id)
+                setup = read_setup(last, last.config["mode"], None)
+                trial, start = OpenTrial(setup, journal, events), last.config[STEP]["start"]
         return OpenRun(
             setup=run_setup(run),
             status=run.status,
@@ -189,6 +189,7 @@ class StoredLearningDesk:
             trials=len(trials),
             trial=trial,
             start=start,
+            trial_ended=last is not None and last.status != "open",
         )
 
     async def find_worker(self, token: str) -> str:

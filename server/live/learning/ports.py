@@ -83,8 +83,9 @@ class LearningRows:
 class OpenRun:
     """A run with all that is stored of it, in the order in which it was met.
 
-    `trials`: how many were begun. `trial`: the present one, None if the next is to begin.
-    `start`: what `begin_trial` was given for the present trial.
+    `trials`: how many were begun. `trial`: the last of them with its journal, None before the
+    first; `trial_ended`: it is over and the next is to begin from where it ended. `start`: what
+    `begin_trial` was given for it.
     """
 
     setup: RunSetup
@@ -95,6 +96,7 @@ class OpenRun:
     trials: int
     trial: OpenTrial | None
     start: Mapping[str, Any] | None
+    trial_ended: bool = False
 
 
 class LearningDesk(Protocol):
