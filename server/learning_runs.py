@@ -6,7 +6,6 @@ All that it writes is simulated: no row here speaks about people.
 from __future__ import annotations
 
 import csv
-import importlib.metadata
 import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -17,7 +16,9 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from server.kernel_cache import open_kernel_cache
+from server.learned_policies import describe_version
 from server.simulation import choose_scale
+from study.learning.curve import RATES
 from study.learning.dataset import Dataset
 from study.learning.dataset_rows import DATASET_FIELDS, dataset_row
 from study.learning.discrepancies import REFERENCES, Discrepancies, measure
@@ -33,9 +34,7 @@ from study.warehouse.layout import build_layout
 FIRST = slice(0, 5)
 LAST = slice(-40, None)
 LINE_EVERY_S = 5.0
-LIBRARIES = ("numpy", "scikit-learn")
 COUNTS = ("compared", "disable", "enable", "shown")
-RATES = ("off_rate", "hamming_rate", "shown_share")
 
 
 @dataclass(frozen=True)
@@ -88,7 +87,6 @@ def describe_policy(version: Version, options: LearningOptions, own: Discrepanci
     """Return a version as a policy with its origin; the initial one was taught by nobody."""
     if version.iterations == 0:
         return initial_policy(options.settings.thresholds)
-    before = slice(max(0, version.iterations - 40), version.iterations)
     people: dict[str, Any] = {
         "scale": options.scale,
         "expert": options.expert,
@@ -98,21 +96,8 @@ def describe_policy(version: Version, options: LearningOptions, own: Discrepanci
     }
     if options.hall is not None:
         people["hall"] = options.hall.to_json()
-    settings = options.settings.to_json()
-    return Policy(
-        name=f"{options.expert}-{options.settings.seed}-{version.iterations:03}",
-        origin="simulated",
-        thresholds=options.settings.thresholds,
-        robot_table=version.tables[0],
-        station_table=version.tables[1],
-        training={
-            "data_sha256": version.data_sha256,
-            "settings": settings | people | {"iteration": version.iterations},
-            "seed": settings.pop("seed"),
-            "scores": {f"{rate}_before": round(getattr(own, rate)(before), 6) for rate in RATES},
-            "libraries": {name: importlib.metadata.version(name) for name in LIBRARIES},
-        },
-    )
+    prefix = f"{options.expert}-{options.settings.seed}"
+    return describe_version(version, options.settings, own, "simulated", prefix, people)
 
 
 def write_dataset(path: Path, dataset: Dataset, settings: LearningSettings) -> None:

@@ -47,12 +47,12 @@ class Curve:
 
 
 def _describe(line: Discrepancies, first: int, end: int) -> dict[str, list[int] | list[float]]:
-    counts = {
-        "disable": line.disable[first:end].tolist(),
-        "enable": line.enable[first:end].tolist(),
-    }
+    span = slice(first, end)
+    parts = (line.disable, line.disable + line.enable, line.shown)
+    whole = np.maximum(line.compared[span], 1)
     rates = {
-        rate: [round(getattr(line, rate)(slice(j, j + 1)), _DIGITS) for j in range(first, end)]
-        for rate in RATES
+        rate: [round(share, _DIGITS) for share in (part[span] / whole).tolist()]
+        for rate, part in zip(RATES, parts, strict=True)
     }
+    counts = {"disable": line.disable[span].tolist(), "enable": line.enable[span].tolist()}
     return {**counts, **rates}
