@@ -18,11 +18,12 @@ from starlette.routing import WebSocketRoute
 from server.deps import Services
 from server.figures import ServerFigures
 from server.kernel_cache import kernel_folder
+from server.learning_desk import StoredLearningDesk
 from server.live.compiling import prepare_kernels
 from server.live.endpoint import LiveEndpoint
 from server.live.hall import Hall
 from server.locations import web_root
-from server.pages import admin, participant, service, staff
+from server.pages import admin, expert, participant, service, staff, worker
 from server.pages.errors import answer_error
 from server.pages.rendering import CachedFiles, Renderer
 from server.participant_desk import ParticipantDesk
@@ -33,6 +34,7 @@ from server.store.engine import Database, StorageAway, serve_alone
 from server.store.schema import check_schema
 from server.tokens import mask_server_logs
 from server.trial_desk import StoredTrialDesk
+from server.worker_links import WorkerLinks
 from study.config import Study
 from study.errors import NotAllowedLive, StudyError
 
@@ -53,7 +55,7 @@ def create_app(settings: Settings, studies: Sequence[Study]) -> FastAPI:
         title="VARIL", docs_url=None, redoc_url=None, openapi_url=None, lifespan=_lifespan
     )
     app.state.services = services
-    for pages in (service, participant, staff, admin):
+    for pages in (service, participant, staff, admin, expert, worker):
         app.include_router(pages.router)
     app.state.hall = _build_hall(services)
     app.router.routes.append(_live_route(app.state.hall, settings))
@@ -89,6 +91,8 @@ def _build_services(settings: Settings, studies: Sequence[Study]) -> Services:
         database=database,
         participants=ParticipantDesk(database, {s.study_id: s for s in studies}, key),
         trials=StoredTrialDesk(database, settings.time_scale),
+        learning=StoredLearningDesk(database),
+        worker_links=WorkerLinks(key),
         sign_ins=SignIns(key),
         renderer=Renderer(web_root()),
         metrics=CollectorRegistry(),

@@ -10,6 +10,7 @@ from typing import Annotated, cast
 from fastapi import Depends, Request
 from prometheus_client import CollectorRegistry
 
+from server.learning_desk import StoredLearningDesk
 from server.pages.rendering import Renderer
 from server.participant_desk import ParticipantDesk
 from server.problems import RoleNeeded, SignInNeeded
@@ -18,6 +19,7 @@ from server.signin import COOKIE, SignIns
 from server.store.engine import Database
 from server.store.users import StaffRecord, read_user
 from server.trial_desk import StoredTrialDesk
+from server.worker_links import WorkerLinks
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,8 @@ class Services:
     database: Database
     participants: ParticipantDesk
     trials: StoredTrialDesk
+    learning: StoredLearningDesk
+    worker_links: WorkerLinks
     sign_ins: SignIns
     renderer: Renderer
     metrics: CollectorRegistry
@@ -75,6 +79,13 @@ async def require_staff(user: Annotated[StaffRecord | None, Depends(find_staff)]
     return user
 
 
+async def require_expert(user: Annotated[StaffRecord, Depends(require_staff)]) -> StaffRecord:
+    """A signed-in expert or administrator; raises `SignInNeeded` or `RoleNeeded`."""
+    if user.role not in ("expert", "admin"):
+        raise RoleNeeded("expert")
+    return user
+
+
 async def require_admin(user: Annotated[StaffRecord, Depends(require_staff)]) -> StaffRecord:
     """A signed-in administrator; raises `SignInNeeded` or `RoleNeeded`."""
     if user.role != "admin":
@@ -86,4 +97,5 @@ DeskDep = Annotated[ParticipantDesk, Depends(get_desk)]
 RendererDep = Annotated[Renderer, Depends(get_renderer)]
 FormDep = Annotated[Mapping[str, str], Depends(read_form)]
 StaffDep = Annotated[StaffRecord, Depends(require_staff)]
+ExpertDep = Annotated[StaffRecord, Depends(require_expert)]
 AdminDep = Annotated[StaffRecord, Depends(require_admin)]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from datetime import datetime
 from typing import Any
 
 from fastapi import APIRouter
@@ -10,6 +9,7 @@ from starlette.responses import Response, StreamingResponse
 
 from server.deps import AdminDep, ServicesDep
 from server.export import MODES, stream_export
+from server.pages.rendering import moment
 from server.store.participants import ParticipantRecord, count_by_status, list_participants
 from server.store.users import add_audit
 from server.trial_desk import utc_now
@@ -88,11 +88,7 @@ def _row(record: ParticipantRecord, study: Study) -> dict[str, Any]:
         "step": record.progress.step,
         "status": record.progress.life.status,
         "order": order,
-        "joined": _moment(record.joined_at),
-        "seen": _moment(record.seen_at),
-        "ended": _moment(record.ended_at),
+        "joined": moment(record.joined_at),
+        "seen": moment(record.seen_at),
+        "ended": moment(record.ended_at),
     }
-
-
-def _moment(moment: datetime | None) -> str:
-    return f"{moment:%Y-%m-%d %H:%M:%S}" if moment else ""

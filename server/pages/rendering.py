@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -72,6 +73,11 @@ class Renderer:
     def page(self, template: str, values: Mapping[str, Any], status: int = 200) -> HTMLResponse:
         """The page as an answer."""
         return HTMLResponse(self._environment.get_template(template).render(values), status)
+
+
+def moment(at: datetime | None) -> str:
+    """A moment in UTC as tables show it; nothing for none."""
+    return f"{at:%Y-%m-%d %H:%M:%S}" if at else ""
 
 
 class CachedFiles(StaticFiles):

@@ -1,4 +1,9 @@
-"""Every table. Migrations under `migrations/versions/` make them; a test holds the two equal."""
+"""The tables of a study. Migrations under `migrations/versions/` make them; a test holds the two
+equal.
+
+Those of learning runs and of policies stand in `server.store.learning_tables`, what trials are
+measured by in `server.store.measure_tables`; whoever imports this module has them all.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +22,39 @@ from sqlalchemy import (
 from sqlalchemy.orm import Mapped, mapped_column
 
 from server.store.base import Base, RowId
+from server.store.learning_tables import (
+    LearningPair,
+    LearningRating,
+    LearningRun,
+    LearningVersion,
+    PolicyActivation,
+    StoredPolicy,
+)
+from server.store.measure_tables import TrialLeg, TrialQuality, TrialRobot
+
+__all__ = (
+    "AuditEntry",
+    "Base",
+    "Claim",
+    "LearningPair",
+    "LearningRating",
+    "LearningRun",
+    "LearningVersion",
+    "PanelId",
+    "Participant",
+    "ParticipantChange",
+    "PolicyActivation",
+    "Response",
+    "StoredPolicy",
+    "StudyVersion",
+    "Trial",
+    "TrialChunk",
+    "TrialEvent",
+    "TrialLeg",
+    "TrialQuality",
+    "TrialRobot",
+    "User",
+)
 
 STATUS_RULE = (
     "status IN ('joined', 'active', 'paused', 'completed', 'screened-out', 'withdrawn', "
@@ -130,16 +168,23 @@ class Response(Base):
 
 
 class Trial(Base):
-    """One trial with its full configuration and, once it ended, its measures."""
+    """One trial of a participant or of a learning run, with its full configuration and, once it
+    ended, its measures.
+
+    In a learning run `attempt` counts the run's trials from 1.
+    """
 
     __tablename__ = "trials"
     __table_args__ = (
         UniqueConstraint("participant_id", "step", "attempt"),
+        UniqueConstraint("learning_run_id", "attempt"),
         CheckConstraint("status IN ('open', 'completed', 'timed_out', 'abandoned')", name="status"),
-        CheckConstraint("kind IN ('practice', 'trial')", name="kind"),
+        CheckConstraint("kind IN ('practice', 'trial', 'learning')", name="kind"),
+        CheckConstraint("(participant_id IS NULL) <> (learning_run_id IS NULL)", name="owner"),
     )
     id: Mapped[str] = mapped_column(String(32), primary_key=True)
-    participant_id: Mapped[int] = mapped_column(ForeignKey("participants.id"))
+    participant_id: Mapped[int | None] = mapped_column(ForeignKey("participants.id"))
+    learning_run_id: Mapped[str | None] = mapped_column(ForeignKey("learning_runs.id"))
     step: Mapped[str] = mapped_column(String(40))
     attempt: Mapped[int]
     kind: Mapped[str] = mapped_column(String(10))
@@ -150,7 +195,7 @@ class Trial(Base):
     seed: Mapped[int] = mapped_column(BigInteger)
     config_hash: Mapped[str] = mapped_column(String(64))
     config: Mapped[dict[str, Any]]
-    policy_sha256: Mapped[str | None] = mapped_column(ForeignKey("policies.sha256"))
+    policy_sha256: Mapped[str | None] = mapped_column(ForeignKey("policies.sha256"), index=True)
     status: Mapped[str] = mapped_column(String(20))
     phase: Mapped[str] = mapped_column(String(20))
     ticks: Mapped[int]
@@ -167,60 +212,6 @@ class Trial(Base):
     boxes_delivered: Mapped[int | None]
     longest_stall_s: Mapped[float | None]
     overlaps: Mapped[int | None]
-
-
-class TrialQuality(Base):
-    """How well the connection, the picture and the attention were in one ended trial."""
-
-    __tablename__ = "trial_quality"
-    trial_id: Mapped[str] = mapped_column(ForeignKey("trials.id"), primary_key=True)
-    rtt_median_ms: Mapped[float | None]
-    rtt_p95_ms: Mapped[float | None]
-    frame_rate_median_hz: Mapped[float | None]
-    frame_rate_p5_hz: Mapped[float | None]
-    long_frames: Mapped[int | None]
-    longest_frame_ms: Mapped[float | None]
-    hidden_s: Mapped[float | None]
-    unfocused_s: Mapped[float | None]
-    pointer_lock_losses: Mapped[int | None]
-    pauses: Mapped[int]
-    paused_s: Mapped[float]
-    idle_s: Mapped[float]
-    tick_late_p99_ms: Mapped[float | None]
-    tick_late_max_ms: Mapped[float | None]
-    connections: Mapped[int]
-    reports: Mapped[int]
-
-
-class TrialRobot(Base):
-    """Measures of one robot in one ended trial."""
-
-    __tablename__ = "trial_robots"
-    trial_id: Mapped[str] = mapped_column(ForeignKey("trials.id"), primary_key=True)
-    robot: Mapped[int] = mapped_column(primary_key=True)
-    boxes_delivered: Mapped[int]
-    wait_s: Mapped[float]
-    completion_s: Mapped[float]
-    path_m: Mapped[float]
-    longest_stall_s: Mapped[float]
-    blocked_by_human_s: Mapped[float]
-
-
-class TrialLeg(Base):
-    """A stretch of a robot's life in one state, in one ended trial."""
-
-    __tablename__ = "trial_legs"
-    trial_id: Mapped[str] = mapped_column(ForeignKey("trials.id"), primary_key=True)
-    robot: Mapped[int] = mapped_column(primary_key=True)
-    leg: Mapped[int] = mapped_column(primary_key=True)
-    state: Mapped[str] = mapped_column(String(20))
-    start_s: Mapped[float]
-    end_s: Mapped[float]
-    path_m: Mapped[float]
-    shelf: Mapped[int | None]
-    box: Mapped[int | None]
-    station: Mapped[int | None]
-    ended: Mapped[bool]
 
 
 class TrialEvent(Base):
@@ -248,15 +239,6 @@ class TrialChunk(Base):
     last_seq: Mapped[int] = mapped_column(BigInteger)
     inputs: Mapped[bytes]
     hashes: Mapped[bytes]
-
-
-class StoredPolicy(Base):
-    """A policy file that some trial ran, by its hash."""
-
-    __tablename__ = "policies"
-    sha256: Mapped[str] = mapped_column(String(64), primary_key=True)
-    document: Mapped[str] = mapped_column(Text)
-    added_at: Mapped[datetime]
 
 
 class User(Base):

@@ -21,8 +21,8 @@ from study.errors import PolicyError
 
 SCHEMA = "varil-policy"
 SCHEMA_VERSION = 1
-Origin = Literal["initial", "people", "simulated"]
-ORIGINS: tuple[Origin, ...] = ("initial", "people", "simulated")
+Origin = Literal["initial", "control", "people", "simulated"]
+ORIGINS: tuple[Origin, ...] = ("initial", "control", "people", "simulated")
 TRAINING_FIELDS = ("data_sha256", "settings", "seed", "scores", "libraries")
 
 _FIELDS = (

@@ -23,12 +23,14 @@ def played(is_restarted: bool) -> TrialQuality:
     stage.room.take_quality(REPORT)
     if is_restarted:
         batch = stage.room.take_batch()
-        assert batch is not None and batch.chunk is not None
+        assert batch is not None
+        assert batch.chunk is not None
         stage = Stage.open(clock, OpenTrial(setup, (batch.chunk,), batch.events))
     else:
         stage.room.leave(listener, 1006)
     stage.run(61.0)
-    assert stage.room.result is not None and stage.room.result.quality is not None
+    assert stage.room.result is not None
+    assert stage.room.result.quality is not None
     return stage.room.result.quality
 
 
