@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime
@@ -24,6 +25,7 @@ from study.errors import NotFound
 if TYPE_CHECKING:
     from study.learning.policy import Policy
 
+_HASH = re.compile(r"[0-9a-f]{64}")
 Source = Literal["shipped", "uploaded", "run"]
 
 
@@ -123,7 +125,10 @@ async def list_used(session: AsyncSession, study_id: str) -> list[tuple[str, str
 
 async def read_entry(session: AsyncSession, sha256: str) -> PolicyEntry:
     """One stored policy; raises `UnknownPolicy`."""
-    rows = list(await session.scalars(select(StoredPolicy).where(StoredPolicy.sha256 == sha256)))
+    rows = []
+    if _HASH.fullmatch(sha256):
+        query = select(StoredPolicy).where(StoredPolicy.sha256 == sha256)
+        rows = list(await session.scalars(query))
     if not rows:
         raise UnknownPolicy(sha256)
     (entry,) = await _describe(session, rows)
