@@ -61,6 +61,15 @@ class PolicyEntry:
     studies: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class UsedPolicy:
+    """A policy that decided in some trials of a study."""
+
+    sha256: str
+    name: str
+    origin: str
+
+
 async def keep_policy(session: AsyncSession, policy: Policy, source: Source, now: datetime) -> bool:
     """Store a policy once; True if it is new here."""
     sha256 = policy.sha256
@@ -108,19 +117,21 @@ async def find_active(session: AsyncSession, study_id: str) -> str | None:
     )
 
 
-async def list_used(session: AsyncSession, study_id: str) -> list[tuple[str, str, str]]:
-    """Policies that trials of a study ran, practice left out: (hash, name, origin)."""
+async def list_used(session: AsyncSession, study_id: str, mode: str | None) -> list[UsedPolicy]:
+    """The policies that trials of a study ran, the practice left out."""
     used = (
         select(Trial.policy_sha256)
         .join(Participant, Participant.id == Trial.participant_id)
         .where(Participant.study_id == study_id, Trial.kind == "trial")
     )
+    if mode is not None:
+        used = used.where(Participant.mode == mode)
     rows = await session.execute(
         select(StoredPolicy.sha256, StoredPolicy.name, StoredPolicy.origin)
         .where(StoredPolicy.sha256.in_(used))
         .order_by(StoredPolicy.sha256)
     )
-    return [(sha256, name, origin) for sha256, name, origin in rows]
+    return [UsedPolicy(*row) for row in rows]
 
 
 async def read_entry(session: AsyncSession, sha256: str) -> PolicyEntry:
