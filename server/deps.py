@@ -13,6 +13,7 @@ from prometheus_client import CollectorRegistry
 from server.learning_desk import StoredLearningDesk
 from server.pages.rendering import Renderer
 from server.participant_desk import ParticipantDesk
+from server.policy_desk import PolicyDesk
 from server.problems import RoleNeeded, SignInNeeded
 from server.settings import Settings
 from server.signin import COOKIE, SignIns
@@ -32,6 +33,7 @@ class Services:
     trials: StoredTrialDesk
     learning: StoredLearningDesk
     worker_links: WorkerLinks
+    policies: PolicyDesk
     sign_ins: SignIns
     renderer: Renderer
     metrics: CollectorRegistry
@@ -59,6 +61,20 @@ async def read_form(request: Request) -> Mapping[str, str]:
     """The text fields of a sent form; of a field sent twice the last counts, files are ignored."""
     form = await request.form(max_files=0, max_fields=200)
     return {name: value for name, value in form.multi_items() if isinstance(value, str)}
+
+
+@dataclass(frozen=True)
+class Upload:
+    """An uploaded file; empty if none was chosen."""
+
+    file: bytes
+
+
+async def read_upload(request: Request) -> Upload:
+    """The file of the field `file`; the limit on a request's body keeps it small."""
+    form = await request.form(max_files=1, max_fields=20)
+    sent = form.get("file")
+    return Upload(b"" if sent is None or isinstance(sent, str) else await sent.read())
 
 
 async def find_staff(request: Request, services: ServicesDep) -> StaffRecord | None:
@@ -96,6 +112,7 @@ async def require_admin(user: Annotated[StaffRecord, Depends(require_staff)]) ->
 DeskDep = Annotated[ParticipantDesk, Depends(get_desk)]
 RendererDep = Annotated[Renderer, Depends(get_renderer)]
 FormDep = Annotated[Mapping[str, str], Depends(read_form)]
+UploadDep = Annotated[Upload, Depends(read_upload)]
 StaffDep = Annotated[StaffRecord, Depends(require_staff)]
 ExpertDep = Annotated[StaffRecord, Depends(require_expert)]
 AdminDep = Annotated[StaffRecord, Depends(require_admin)]

@@ -22,6 +22,7 @@ from server.backends import Backend, NoCluster
 from server.kernel_cache import kernel_digest, open_kernel_cache
 from server.policy_files import read_policy_file, shipped_policy
 from study.ar.conditions import build_condition
+from study.ar.thresholds import Thresholds
 from study.errors import InvalidValue
 from study.headless import HeadlessTrial, check_worker, simulate_many, simulate_trial
 from study.learning.policy import Policy
@@ -107,7 +108,9 @@ def _choose_policy(options: SimulationOptions) -> Policy | None:
     if options.condition != "varil":
         return None
     if isinstance(options.policy, Path):
-        return read_policy_file(options.policy)
+        policy = read_policy_file(options.policy)
+        policy.require_thresholds(Thresholds())
+        return policy
     return options.policy or shipped_policy()
 
 

@@ -10,6 +10,7 @@ from starlette.responses import Response, StreamingResponse
 from server.deps import AdminDep, ServicesDep
 from server.export import MODES, stream_export
 from server.pages.rendering import moment
+from server.policy_desk import needs_confirmation
 from server.store.participants import ParticipantRecord, count_by_status, list_participants
 from server.store.users import add_audit
 from server.trial_desk import utc_now
@@ -44,6 +45,7 @@ async def show_participants(
         "counts": counts,
         "page": page,
         "pages": max(1, -(-total // PAGE_ROWS)),
+        "policy": await _policy_values(services, shown),
     }
     return services.renderer.page("admin.html", values)
 
@@ -67,6 +69,19 @@ async def download_export(
         media_type="application/zip",
         headers={"Content-Disposition": f'attachment; filename="{name}"'},
     )
+
+
+async def _policy_values(services: ServicesDep, study: Study) -> dict[str, Any] | None:
+    """The policy that the study runs, with its origin; None if no condition of it runs one."""
+    active = await services.policies.find_active(study)
+    if active is None:
+        return None
+    return {
+        "name": active.policy.name,
+        "origin": active.policy.origin,
+        "sha256": active.policy.sha256,
+        "warn": needs_confirmation(active.policy, study),
+    }
 
 
 def _find_study(services: ServicesDep, study_id: str) -> Study:

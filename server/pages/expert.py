@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Path, Request
 from starlette.responses import RedirectResponse, Response, StreamingResponse
 
 from server.deps import ExpertDep, FormDep, ServicesDep
@@ -15,9 +15,11 @@ from server.store.learning import RunRecord
 from server.store.users import StaffRecord
 from server.worker_links import COOKIE, KEPT_S
 from study.errors import AnswerError
+from study.learning.settings import MOST_ITERATIONS
 
 router = APIRouter(prefix="/expert", include_in_schema=False)
 PAGE_ROWS = 50
+Iteration = Annotated[int, Path(ge=0, le=MOST_ITERATIONS)]
 
 
 @router.get("")
@@ -97,7 +99,7 @@ async def download_dataset(run_id: str, services: ServicesDep, user: ExpertDep) 
 
 @router.get("/runs/{run_id}/policies/{iteration}.json")
 async def download_version(
-    run_id: str, iteration: int, services: ServicesDep, user: ExpertDep
+    run_id: str, iteration: Iteration, services: ServicesDep, user: ExpertDep
 ) -> Response:
     """The policy file after so many iterations."""
     del user
@@ -163,7 +165,7 @@ def _run_values(run: RunRecord) -> dict[str, Any]:
         "created_at": moment(run.created_at),
         "created_by": run.created_by,
         "ended_at": moment(run.ended_at),
-        "settings": run.settings,
+        "settings": {k: v for k, v in run.settings.items() if k != "thresholds"},
     }
 
 

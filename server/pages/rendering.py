@@ -16,7 +16,9 @@ from starlette.types import Scope
 
 from study.errors import StudyError
 
-_REQUIRED = ("dist/page.css", "dist/play.css", "dist/play.js", "dist/check.js", "dist/form.js")
+_BUNDLES = (
+    "page.css", "play.css", "expert.css", "play.js", "check.js", "form.js", "expert.js",
+)  # fmt: skip
 
 
 class MissingAssets(StudyError):
@@ -39,7 +41,7 @@ class Assets:
 
     def check(self) -> None:
         """Raise `MissingAssets` unless everything that pages load was built."""
-        missing = [name for name in _REQUIRED if not (self._static / name).is_file()]
+        missing = [name for name in _BUNDLES if not (self._static / "dist" / name).is_file()]
         if missing:
             raise MissingAssets(missing)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import AsyncIterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from server.live.learning.ports import LearningRows, RunVersion
 
 FETCH_ROWS = 500
+_ID = re.compile(r"[0-9a-f]{32}")
 _PAIR_COLUMNS = tuple(getattr(LearningPair, name) for name in Pair._fields)
 _RATING_FIELDS = (
     "number", "trial", "tick", "expert", "agent", "mask", "lead_mask", "drawn",
@@ -96,7 +98,9 @@ async def add_run(session: AsyncSession, run: NewRun, now: datetime) -> None:
 async def read_run(session: AsyncSession, run_id: str, *, lock: bool = False) -> RunRecord:
     """The run with this id; `lock` holds its row until the transaction ends. Raises UnknownRun."""
     query = select(LearningRun).where(LearningRun.id == run_id)
-    row = await session.scalar(query.with_for_update() if lock else query)
+    row = None
+    if _ID.fullmatch(run_id):
+        row = await session.scalar(query.with_for_update() if lock else query)
     if row is None:
         raise UnknownRun(run_id)
     return _record(row)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime
@@ -24,6 +25,7 @@ from study.errors import NotFound
 if TYPE_CHECKING:
     from study.learning.policy import Policy
 
+_HASH = re.compile(r"[0-9a-f]{64}")
 Source = Literal["shipped", "uploaded", "run"]
 
 
@@ -57,6 +59,15 @@ class PolicyEntry:
     iteration: int | None
     trials: int
     studies: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class UsedPolicy:
+    """A policy that decided in some trials of a study."""
+
+    sha256: str
+    name: str
+    origin: str
 
 
 async def keep_policy(session: AsyncSession, policy: Policy, source: Source, now: datetime) -> bool:
@@ -106,24 +117,29 @@ async def find_active(session: AsyncSession, study_id: str) -> str | None:
     )
 
 
-async def list_used(session: AsyncSession, study_id: str) -> list[tuple[str, str, str]]:
-    """Policies that trials of a study ran, practice left out: (hash, name, origin)."""
+async def list_used(session: AsyncSession, study_id: str, mode: str | None) -> list[UsedPolicy]:
+    """The policies that trials of a study ran, the practice left out."""
     used = (
         select(Trial.policy_sha256)
         .join(Participant, Participant.id == Trial.participant_id)
         .where(Participant.study_id == study_id, Trial.kind == "trial")
     )
+    if mode is not None:
+        used = used.where(Participant.mode == mode)
     rows = await session.execute(
         select(StoredPolicy.sha256, StoredPolicy.name, StoredPolicy.origin)
         .where(StoredPolicy.sha256.in_(used))
         .order_by(StoredPolicy.sha256)
     )
-    return [(sha256, name, origin) for sha256, name, origin in rows]
+    return [UsedPolicy(*row) for row in rows]
 
 
 async def read_entry(session: AsyncSession, sha256: str) -> PolicyEntry:
     """One stored policy; raises `UnknownPolicy`."""
-    rows = list(await session.scalars(select(StoredPolicy).where(StoredPolicy.sha256 == sha256)))
+    rows = []
+    if _HASH.fullmatch(sha256):
+        query = select(StoredPolicy).where(StoredPolicy.sha256 == sha256)
+        rows = list(await session.scalars(query))
     if not rows:
         raise UnknownPolicy(sha256)
     (entry,) = await _describe(session, rows)

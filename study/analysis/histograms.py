@@ -32,6 +32,7 @@ def draw_histogram(
 ) -> Chart:
     """Draw each group's histogram and the Gaussian of its mean and standard deviation.
 
+    The y axis counts; where groups differ in size it shows their shares, in per cent.
     Rows: one per group and bin; `gauss_count` is the curve at the bin's middle, in counts; a group
     of one value or without spread has no curve (sd 0, gauss_count 0).
     Errors: InvalidValue without groups, or naming a group without finite values.
@@ -40,6 +41,7 @@ def draw_histogram(
     if not samples:
         raise InvalidValue("there is no group to draw a histogram of")
     edges = choose_bins(list(samples.values()))
+    uneven = len({len(sample) for sample in samples.values()}) > 1
     shared = len(samples) <= TOGETHER
     panels = 1 if shared else len(samples)
     figure, axes = new_figure(6.8, 4.0 if shared else 0.7 + 1.05 * panels, rows=panels)
@@ -47,7 +49,8 @@ def draw_histogram(
     for place, (name, sample) in enumerate(samples.items()):
         axis = axes[0] if shared else axes[place]
         label = (labels or {}).get(name, name)
-        _draw_group(axis, sample, edges, style_of(name, place), label)
+        unit = 100.0 / len(sample) if uneven else 1.0
+        _draw_group(axis, sample, edges, unit, style_of(name, place), label)
         rows += _group_rows(name, sample, edges)
     first = float(next(iter(samples.values())).mean())
     top = max(axis.get_ylim()[1] for axis in axes)
@@ -57,7 +60,7 @@ def draw_histogram(
         axis.legend(frameon=False, loc="upper right", fontsize=8)
         axis.set_ylim(0, top)
     axes[-1].set_xlabel(x_label if shared else f"{x_label}; dotted: mean of the first group")
-    figure.supylabel(y_label, fontsize=9, color=INK)
+    figure.supylabel(f"share of {y_label} (%)" if uneven else y_label, fontsize=9, color=INK)
     return finish_chart(figure, title, mark, HEADER, rows)
 
 
@@ -102,15 +105,17 @@ def _check(name: str, values: Sequence[float] | Floats) -> Floats:
     return sample
 
 
-def _draw_group(axis: Axes, sample: Floats, edges: Floats, style: Style, label: str) -> None:
-    counts, _ = np.histogram(sample, edges)
+def _draw_group(
+    axis: Axes, sample: Floats, edges: Floats, unit: float, style: Style, label: str
+) -> None:
+    counts = np.histogram(sample, edges)[0] * unit
     axis.stairs(
         counts, edges, fill=True, facecolor=(style.colour, 0.22), edgecolor=(style.colour, 0.75),
         linewidth=0.8,
     )  # fmt: skip
     text = f"{label} (n = {len(sample)}, mean {sample.mean():.0f})"
     at = np.linspace(edges[0], edges[-1], 241)
-    curve = gauss_counts(sample, at, float(edges[1] - edges[0]))
+    curve = gauss_counts(sample, at, float(edges[1] - edges[0])) * unit
     axis.plot(at, curve, color=style.colour, linestyle=style.dash, linewidth=1.8, label=text)
 
 

@@ -63,13 +63,15 @@ async def test_a_database_of_a_newer_version_is_refused_and_left_alone(database:
 async def test_a_failed_transaction_leaves_nothing(database: Database) -> None:
     async def fail_half_way() -> None:
         async with database.writing() as session:
-            await session.execute(text("INSERT INTO alembic_version VALUES ('0000')"))
+            await session.execute(
+                text("INSERT INTO audit VALUES (1, '2026-01-01 00:00:00', 'ann', 'signed in', '')")
+            )
             raise RuntimeError("half way")
 
     with pytest.raises(RuntimeError, match="half way"):
         await fail_half_way()
     async with database.reading() as session:
-        assert (await session.execute(text("SELECT count(*) FROM policies"))).scalar() == 0
+        assert (await session.execute(text("SELECT count(*) FROM audit"))).scalar() == 0
 
 
 async def test_sqlite_is_set_up_for_a_server(tmp_path: Path) -> None:

@@ -44,6 +44,13 @@ def test_rows_hold_every_value_once_and_the_curve() -> None:
             assert int(inside.sum()) == row["count"]
 
 
+def test_groups_of_different_size_are_drawn_as_shares() -> None:
+    samples = groups("varil", "arroch")
+    samples["arroch"] = samples["arroch"][:30]
+    assert b"share of trials" in draw_histogram(samples, **WORDS).svg
+    assert b"share of" not in draw_histogram(groups("varil", "arroch"), **WORDS).svg
+
+
 def test_values_without_spread_have_bins_but_no_curve() -> None:
     chart = draw_histogram({"none": [4.0, 4.0]}, **WORDS)
     (row,) = chart.rows
