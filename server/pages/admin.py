@@ -8,7 +8,7 @@ from fastapi import APIRouter
 from starlette.responses import Response, StreamingResponse
 
 from server.deps import AdminDep, ServicesDep
-from server.export import MODES, stream_export
+from server.export import MODES, ExportOptions, stream_export
 from server.pages.rendering import moment
 from server.policy_desk import needs_confirmation
 from server.store.participants import ParticipantRecord, count_by_status, list_participants
@@ -65,7 +65,7 @@ async def download_export(
         await add_audit(session, user.name, "export downloaded", detail, utc_now())
     name = f"{shown.study_id}-{mode or 'all'}-{utc_now():%Y%m%dT%H%M%SZ}.zip"
     return StreamingResponse(
-        stream_export(services.database, shown.study_id, mode or None),
+        stream_export(services.database, ExportOptions(shown.study_id, mode or None)),
         media_type="application/zip",
         headers={"Content-Disposition": f'attachment; filename="{name}"'},
     )

@@ -12,7 +12,7 @@ from operator import itemgetter
 from types import MappingProxyType
 from typing import Any, Literal
 
-from sqlalchemy import Text, func, select, type_coerce
+from sqlalchemy import Text, cast, func, select
 from sqlalchemy.ext.asyncio import AsyncSession
 
 from server.store.tables import (
@@ -145,7 +145,9 @@ async def answers_of(session: AsyncSession, people: Collection[Row]) -> list[Row
         .order_by(Response.participant_id, Response.id)
     )
     return [
-        _origin(person := kept[row["participant_id"]]) | {"order_index": person["order_index"]} | row
+        _origin(person := kept[row["participant_id"]])
+        | {"order_index": person["order_index"]}
+        | row
         for row in await _fetch(session, query)
     ]
 
@@ -166,7 +168,7 @@ async def parts_of(session: AsyncSession, trials: Sequence[Row], part: Part) -> 
     table, order = _PARTS[part]
     columns = [column for column in table.__table__.columns if column.name != "data"]
     if part == "events":
-        columns.append(type_coerce(TrialEvent.data, Text).label("data"))
+        columns.append(cast(TrialEvent.data, Text).label("data"))
     places = [table.__table__.columns[name] for name in ("trial_id", *order)]
     query = (
         select(*columns)
@@ -182,25 +184,6 @@ async def parts_of(session: AsyncSession, trials: Sequence[Row], part: Part) -> 
         origin = _origin(trial)
         parts += [origin | row for row in found.get(trial["trial_id"], ())]
     return parts
-
-
-async def used_policies(session: AsyncSession, chosen: Selection) -> list[str]:
-    """Hashes of the policies that the trials ran."""
-    query = (
-        select(Trial.policy_sha256)
-        .join(Participant, Participant.id == Trial.participant_id)
-        .where(
-            Participant.study_id == chosen.study_id,
-            Participant.status != "withdrawn",
-            Trial.kind == "trial",
-            Trial.policy_sha256.is_not(None),
-        )
-        .distinct()
-        .order_by(Trial.policy_sha256)
-    )
-    if chosen.mode is not None:
-        query = query.where(Participant.mode == chosen.mode)
-    return [sha256 for sha256 in await session.scalars(query) if sha256 is not None]
 
 
 async def label_pages(session: AsyncSession, policies: Collection[str]) -> Pages:
@@ -220,7 +203,7 @@ async def label_pages(session: AsyncSession, policies: Collection[str]) -> Pages
                 .where(
                     LearningPair.run_id == run_id,
                     LearningPair.number > last,
-                    LearningPair.iteration <= iteration,
+                    LearningPair.iteration < iteration,
                 )
                 .order_by(LearningPair.number)
                 .limit(LABELS_PER_PAGE)

@@ -34,6 +34,15 @@ from study.records.columns import (
 from study.records.observations import EVENTS, EXPERT_LABELS, QUALITY
 
 __all__ = (
+    "EVENTS",
+    "EXPERT_LABELS",
+    "LEGS",
+    "PARTICIPANTS",
+    "QUALITY",
+    "RESPONSES",
+    "ROBOTS",
+    "TABLES",
+    "TRIALS",
     "Column",
     "Table",
     "Value",

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from sqlalchemy import func, select, text, update
 
-from server.export import stream_export
+from server.export import ExportOptions, stream_export
 from server.life_desk import AlreadyErased, LifeDesk
 from server.live.ports import TrialBatch, TrialResult
 from server.participant_desk import ParticipantDesk
@@ -191,7 +191,7 @@ async def test_erasing_leaves_a_tombstone_and_nothing_else(site: Site) -> None:
         await site.people.look_up(token)
     with pytest.raises(AlreadyErased):
         await site.staff.erase(code, "maria")
-    assert b"".join([piece async for piece in stream_export(site.database, "demo", None)])
+    assert b"".join([piece async for piece in stream_export(site.database, ExportOptions("demo"))])
 
 
 async def test_a_trial_whose_data_are_erased_while_it_runs_ends_quietly(site: Site) -> None:
