@@ -8,7 +8,8 @@ from fastapi import APIRouter
 from starlette.responses import Response, StreamingResponse
 
 from server.deps import AdminDep, ServicesDep
-from server.export import MODES, ExportOptions, stream_export
+from server.export import MODES, ExportOptions
+from server.export_process import begin_export
 from server.pages.rendering import moment
 from server.policy_desk import needs_confirmation
 from server.store.participants import ParticipantRecord, count_by_status, list_participants
@@ -63,9 +64,11 @@ async def download_export(
     async with services.database.writing() as session:
         detail = f"{shown.study_id}, {mode or 'all modes'}"
         await add_audit(session, user.name, "export downloaded", detail, utc_now())
+    options = ExportOptions(shown.study_id, mode or None)
+    pieces = await begin_export(services.settings, options)
     name = f"{shown.study_id}-{mode or 'all'}-{utc_now():%Y%m%dT%H%M%SZ}.zip"
     return StreamingResponse(
-        stream_export(services.database, ExportOptions(shown.study_id, mode or None)),
+        pieces,
         media_type="application/zip",
         headers={"Content-Disposition": f'attachment; filename="{name}"'},
     )
