@@ -18,8 +18,10 @@ from pydantic import ValidationError
 
 from server.cli_bench import bench
 from server.cli_choices import BackendName, Scale, Worker
+from server.cli_data import erase, export, replay
+from server.cli_doctor import doctor
 from server.cli_learn import learn
-from server.cli_output import AsJson, report
+from server.cli_output import AsJson, DatabaseUrl, report
 from study.errors import InvalidValue, NotFound, StudyError, UnknownStudy
 
 if TYPE_CHECKING:
@@ -36,25 +38,12 @@ user = typer.Typer(help="Accounts of staff.", no_args_is_help=True)
 app.add_typer(user, name="user")
 app.add_typer(bench, name="bench")
 
-DatabaseUrl = Annotated[
-    str | None,
-    typer.Option(help="sqlite:///FILE or postgresql://...; default VARIL_DATABASE_URL."),
-]
-
 
 class Role(StrEnum):
     """What an account may open."""
 
     ADMIN = "admin"
     EXPERT = "expert"
-
-
-class Mode(StrEnum):
-    """Whose data to export."""
-
-    LIVE = "live"
-    PILOT = "pilot"
-    BOT = "bot"
 
 
 @app.command()
@@ -138,29 +127,8 @@ def simulate(
 app.command()(learn)
 
 
-@app.command()
-def export(
-    study: Annotated[str, typer.Option(help="The study's id, as in /s/<id>.")],
-    out: Annotated[Path, typer.Option(help="The zip to write, - for stdout.")],
-    mode: Annotated[Mode | None, typer.Option(help="Only these participants; default all.")] = None,
-    telemetry: Annotated[
-        bool, typer.Option(help="Also where each person was, five times a second.")
-    ] = False,
-    panel_ids: Annotated[
-        bool, typer.Option(help="Also what the recruitment panel calls each person.")
-    ] = False,
-    database_url: DatabaseUrl = None,
-    as_json: AsJson = False,
-) -> None:
-    """Write the data of a study as tidy CSV tables in one zip; `--out -` is standard output."""
-    from server.export import STDOUT, ExportOptions, write_export
-
-    settings = read_settings(database_url=database_url)
-    require_database(settings)
-    options = ExportOptions(study, mode.value if mode else None, telemetry, panel_ids)
-    counts = asyncio.run(write_export(settings, options, out))
-    if out != STDOUT:
-        report({"file": str(out), **counts}, as_json)
+for verb in (export, replay, erase, doctor):
+    app.command()(verb)
 
 
 @user.command("add")

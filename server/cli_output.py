@@ -1,4 +1,4 @@
-"""How the verbs of `varil` tell their results: for a person, or as one JSON line."""
+"""Words that the verbs of `varil` share: the database, and results for a person or as JSON."""
 
 from __future__ import annotations
 
@@ -7,6 +7,10 @@ from typing import Annotated, Any
 
 import typer
 
+DatabaseUrl = Annotated[
+    str | None,
+    typer.Option(help="sqlite:///FILE or postgresql://...; default VARIL_DATABASE_URL."),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="One JSON object as stdout's last line.")]
 
 

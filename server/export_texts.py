@@ -8,6 +8,7 @@ from server.store.policies import UsedPolicy
 
 ORIGINS = {
     "initial": "initial, taught by nobody",
+    "control": "a control, taught by nobody",
     "people": "learned from people",
     "simulated": "learned from simulated people",
 }
