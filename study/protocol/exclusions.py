@@ -15,7 +15,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from study.protocol.questionnaires import NAME_PATTERN, Record
+from study.protocol.records import NAME_PATTERN, Problem, Record, refuse
 
 Together = Literal["sum", "median", "highest", "lowest"]
 
@@ -72,9 +72,11 @@ class ExclusionRule(Record):
     @model_validator(mode="after")
     def _check_rule(self) -> Self:
         if self.measure not in MEASURES:
-            raise ValueError(f"`measure` must be one of: {', '.join(MEASURES)}")
+            known = ", ".join(MEASURES)
+            refuse([Problem(("measure",), self.measure, f"there is no such measure; use {known}")])
         if (self.above is None) == (self.below is None):
-            raise ValueError("give exactly one of `above` and `below`")
+            bounds = {"above": self.above, "below": self.below}
+            refuse([Problem((), bounds, "give exactly one of `above` and `below`")])
         return self
 
     def applies_to(self, figure: float | None) -> bool:
