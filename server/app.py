@@ -18,14 +18,16 @@ from starlette.routing import WebSocketRoute
 from server.deps import Services
 from server.figures import ServerFigures
 from server.kernel_cache import kernel_folder
+from server.learning_desk import StoredLearningDesk
 from server.live.compiling import prepare_kernels
 from server.live.endpoint import LiveEndpoint
 from server.live.hall import Hall
 from server.locations import web_root
-from server.pages import admin, participant, service, staff
+from server.pages import admin, expert, participant, policies, service, staff, worker
 from server.pages.errors import answer_error
 from server.pages.rendering import CachedFiles, Renderer
 from server.participant_desk import ParticipantDesk
+from server.policy_desk import PolicyDesk
 from server.security import Guard, same_origin
 from server.settings import Settings
 from server.signin import SignIns
@@ -33,6 +35,7 @@ from server.store.engine import Database, StorageAway, serve_alone
 from server.store.schema import check_schema
 from server.tokens import mask_server_logs
 from server.trial_desk import StoredTrialDesk
+from server.worker_links import WorkerLinks
 from study.config import Study
 from study.errors import NotAllowedLive, StudyError
 
@@ -53,7 +56,7 @@ def create_app(settings: Settings, studies: Sequence[Study]) -> FastAPI:
         title="VARIL", docs_url=None, redoc_url=None, openapi_url=None, lifespan=_lifespan
     )
     app.state.services = services
-    for pages in (service, participant, staff, admin):
+    for pages in (service, participant, staff, admin, policies, expert, worker):
         app.include_router(pages.router)
     app.state.hall = _build_hall(services)
     app.router.routes.append(_live_route(app.state.hall, settings))
@@ -84,11 +87,15 @@ def _live_route(hall: Hall, settings: Settings) -> WebSocketRoute:
 def _build_services(settings: Settings, studies: Sequence[Study]) -> Services:
     key = settings.read_secret_key()
     database = Database(settings.database)
+    known = {study.study_id: study for study in studies}
     return Services(
         settings=settings,
         database=database,
-        participants=ParticipantDesk(database, {s.study_id: s for s in studies}, key),
+        participants=ParticipantDesk(database, known, key),
         trials=StoredTrialDesk(database, settings.time_scale),
+        learning=StoredLearningDesk(database),
+        worker_links=WorkerLinks(key),
+        policies=PolicyDesk(database, known),
         sign_ins=SignIns(key),
         renderer=Renderer(web_root()),
         metrics=CollectorRegistry(),
@@ -105,6 +112,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         async with serve_alone(services.database):
             await check_schema(services.database)
             await services.participants.register_studies()
+            await services.policies.register_shipped()
             await hall.start()
             sweeper = asyncio.create_task(_sweep_forever(services.participants))
             try:

@@ -17,7 +17,7 @@ import typer
 from pydantic import ValidationError
 
 from server.cli_bench import bench
-from server.cli_choices import Scale, Worker
+from server.cli_choices import BackendName, Scale, Worker
 from server.cli_learn import learn
 from server.cli_output import AsJson, report
 from study.errors import InvalidValue, NotFound, StudyError, UnknownStudy
@@ -103,9 +103,16 @@ def simulate(
     workers: Annotated[
         int | None, typer.Option(min=1, help="Processes; default all cores.")
     ] = None,
+    backend: Annotated[
+        BackendName, typer.Option(help="Processes here, or a Dask cluster.")
+    ] = BackendName.LOKY,
+    dask_scheduler: Annotated[
+        str, typer.Option(help="Address of a running cluster; default one on this machine.")
+    ] = "",
     as_json: AsJson = False,
 ) -> None:
     """Run trials headless with a simulated worker, on all cores."""
+    from server.backends import Backend
     from server.simulation import SimulationOptions, run_simulation
 
     if policy is not None and condition != "varil":
@@ -120,7 +127,7 @@ def simulate(
             worker=worker.value,
             trials=trials,
             seed=seed,
-            workers=workers or os.cpu_count() or 1,
+            backend=Backend(backend.value, workers or os.cpu_count() or 1, dask_scheduler),
             out=out,
             quiet=as_json,
         )

@@ -28,3 +28,10 @@ class Expert(StrEnum):
     """Simulated experts."""
 
     TABLE = "table"
+
+
+class BackendName(StrEnum):
+    """Where headless trials run."""
+
+    LOKY = "loky"
+    DASK = "dask"

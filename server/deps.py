@@ -10,14 +10,17 @@ from typing import Annotated, cast
 from fastapi import Depends, Request
 from prometheus_client import CollectorRegistry
 
+from server.learning_desk import StoredLearningDesk
 from server.pages.rendering import Renderer
 from server.participant_desk import ParticipantDesk
+from server.policy_desk import PolicyDesk
 from server.problems import RoleNeeded, SignInNeeded
 from server.settings import Settings
 from server.signin import COOKIE, SignIns
 from server.store.engine import Database
 from server.store.users import StaffRecord, read_user
 from server.trial_desk import StoredTrialDesk
+from server.worker_links import WorkerLinks
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,9 @@ class Services:
     database: Database
     participants: ParticipantDesk
     trials: StoredTrialDesk
+    learning: StoredLearningDesk
+    worker_links: WorkerLinks
+    policies: PolicyDesk
     sign_ins: SignIns
     renderer: Renderer
     metrics: CollectorRegistry
@@ -57,6 +63,20 @@ async def read_form(request: Request) -> Mapping[str, str]:
     return {name: value for name, value in form.multi_items() if isinstance(value, str)}
 
 
+@dataclass(frozen=True)
+class Upload:
+    """An uploaded file; empty if none was chosen."""
+
+    file: bytes
+
+
+async def read_upload(request: Request) -> Upload:
+    """The file of the field `file`; the limit on a request's body keeps it small."""
+    form = await request.form(max_files=1, max_fields=20)
+    sent = form.get("file")
+    return Upload(b"" if sent is None or isinstance(sent, str) else await sent.read())
+
+
 async def find_staff(request: Request, services: ServicesDep) -> StaffRecord | None:
     """The signed-in account, if any; read anew each time, so a changed account counts at once."""
     known = services.sign_ins.read(request.cookies.get(COOKIE, ""))
@@ -75,6 +95,13 @@ async def require_staff(user: Annotated[StaffRecord | None, Depends(find_staff)]
     return user
 
 
+async def require_expert(user: Annotated[StaffRecord, Depends(require_staff)]) -> StaffRecord:
+    """A signed-in expert or administrator; raises `SignInNeeded` or `RoleNeeded`."""
+    if user.role not in ("expert", "admin"):
+        raise RoleNeeded("expert")
+    return user
+
+
 async def require_admin(user: Annotated[StaffRecord, Depends(require_staff)]) -> StaffRecord:
     """A signed-in administrator; raises `SignInNeeded` or `RoleNeeded`."""
     if user.role != "admin":
@@ -85,5 +112,7 @@ async def require_admin(user: Annotated[StaffRecord, Depends(require_staff)]) ->
 DeskDep = Annotated[ParticipantDesk, Depends(get_desk)]
 RendererDep = Annotated[Renderer, Depends(get_renderer)]
 FormDep = Annotated[Mapping[str, str], Depends(read_form)]
+UploadDep = Annotated[Upload, Depends(read_upload)]
 StaffDep = Annotated[StaffRecord, Depends(require_staff)]
+ExpertDep = Annotated[StaffRecord, Depends(require_expert)]
 AdminDep = Annotated[StaffRecord, Depends(require_admin)]

@@ -10,13 +10,14 @@ import csv
 import hashlib
 import io
 import zipfile
-from collections.abc import AsyncIterator, Iterator, Mapping
+from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from server.settings import Settings
 from server.store import export_rows
 from server.store.engine import Database
+from server.store.policies import UsedPolicy, list_used
 from server.store.schema import check_schema
 from server.store.studies import list_versions
 from study.config import Study
@@ -42,7 +43,15 @@ Tables are joined by participant_code and trial_id.
 - MANIFEST.sha256 holds a checksum per file; check with: sha256sum -c MANIFEST.sha256
 
 Versions of the study in this export: {versions}
+
+Policies that decided about the display in these trials, by policy_sha256:
+{policies}
 """
+_ORIGINS = {
+    "initial": "initial, taught by nobody",
+    "people": "learned from people",
+    "simulated": "learned from simulated people",
+}
 
 
 class ZipStream:
@@ -148,7 +157,8 @@ async def stream_export(
                 if piece := stream.take(YIELD_BYTES):
                     yield piece
             file.close()
-    _add_descriptions(stream, study_id, mode, versions)
+        policies = await list_used(session, study_id, mode)
+    _add_descriptions(stream, study_id, mode, versions, policies)
     yield stream.finish()
 
 
@@ -190,16 +200,29 @@ def study_items(config_hash: str, study: Study) -> Iterator[ItemEntry]:
 
 
 def _add_descriptions(
-    stream: ZipStream, study_id: str, mode: str | None, versions: Mapping[str, Study]
+    stream: ZipStream,
+    study_id: str,
+    mode: str | None,
+    versions: Mapping[str, Study],
+    policies: Sequence[UsedPolicy],
 ) -> None:
     file = stream.add_file(CODEBOOK.file)
     file.write(_csv_line(CODEBOOK.header))
     items = (entry for hash_, study in versions.items() for entry in study_items(hash_, study))
     for row in codebook_rows(items):
+        if row["name"] == "policy_sha256":
+            levels = (f"{used.sha256}={used.name} ({_ORIGINS[used.origin]})" for used in policies)
+            row["levels"] = "|".join(levels)
         file.write(_csv_line(format_row(CODEBOOK, row)))
     file.close()
     shown_mode = f"mode {mode} only" if mode else "all modes"
-    text = _README.format(study_id=study_id, mode=shown_mode, versions=", ".join(versions))
+    named = [f"- {used.sha256}: “{used.name}”, {_ORIGINS[used.origin]}" for used in policies]
+    text = _README.format(
+        study_id=study_id,
+        mode=shown_mode,
+        versions=", ".join(versions),
+        policies="\n".join(named) or "- none",
+    )
     stream.add_text("README.txt", text)
     stream.add_text("MANIFEST.sha256", "".join(stream.manifest))
 

@@ -6,7 +6,6 @@ All that it writes is simulated: no row here speaks about people.
 from __future__ import annotations
 
 import csv
-import importlib.metadata
 import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -17,37 +16,36 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from server.kernel_cache import open_kernel_cache
+from server.learned_policies import describe_version
 from server.simulation import choose_scale
-from study.ar.state_names import ROBOT_STATES, STATION_STATES
+from study.learning.curve import RATES
 from study.learning.dataset import Dataset
+from study.learning.dataset_rows import DATASET_FIELDS, dataset_row
 from study.learning.discrepancies import REFERENCES, Discrepancies, measure
-from study.learning.domains import DOMAINS
 from study.learning.policy import Policy, initial_policy
 from study.learning.policy_up import PolicyUp, Version
 from study.learning.settings import PAIRS_PER_ITERATION, LearningSettings
+from study.people.habits import Habits
 from study.people.learning_run import check_people, run_learning
 from study.people.parameters import parameter_version
+from study.warehouse.halls import HallSpec
 from study.warehouse.layout import build_layout
 
 FIRST = slice(0, 5)
 LAST = slice(-40, None)
 LINE_EVERY_S = 5.0
-LIBRARIES = ("numpy", "scikit-learn")
-DATASET_FIELDS = (
-    "iteration", "trial", "trial_seed", "tick", "agent_kind", "agent", "state", "box", "proposal",
-    "drawn", "label", "edit_age_s", "displayed", "box_mode", "label_source", "origin",
-)  # fmt: skip
 COUNTS = ("compared", "disable", "enable", "shown")
-RATES = ("off_rate", "hamming_rate", "shown_share")
 
 
 @dataclass(frozen=True)
 class LearningOptions:
-    """What `varil learn` was asked for."""
+    """What `varil learn` was asked for. hall: another one than the preset of the scale's name."""
 
     out: Path
     settings: LearningSettings = field(default_factory=LearningSettings)
     scale: str = "study"
+    hall: HallSpec | None = None
+    habits: Habits = field(default_factory=Habits)
     expert: str = "table"
     worker: str = "believer"
     quiet: bool = False
@@ -59,7 +57,7 @@ def learn(options: LearningOptions) -> dict[str, Any]:
     Files: dataset.csv, discrepancies.csv, policies/000.json to policies/<iterations>.json.
     Errors: InvalidValue for an unknown scale, worker, expert or classifier.
     """
-    spec = choose_scale(options.scale)
+    spec = options.hall or choose_scale(options.scale)
     check_people(options.worker, options.expert)
     started_s = time.perf_counter()
     console = Console(stderr=True, quiet=options.quiet)
@@ -67,7 +65,12 @@ def learn(options: LearningOptions) -> dict[str, Any]:
     open_kernel_cache()
     with _Watch(options, console) as watch:
         up = run_learning(
-            options.settings, build_layout(spec), options.worker, options.expert, watch.tell
+            options.settings,
+            build_layout(spec),
+            options.worker,
+            options.expert,
+            watch.tell,
+            options.habits,
         )
     found = measure(up.dataset, options.settings.iterations)
     folder = options.out / "policies"
@@ -84,54 +87,22 @@ def describe_policy(version: Version, options: LearningOptions, own: Discrepanci
     """Return a version as a policy with its origin; the initial one was taught by nobody."""
     if version.iterations == 0:
         return initial_policy(options.settings.thresholds)
-    before = slice(max(0, version.iterations - 40), version.iterations)
-    people = {
+    people: dict[str, Any] = {
         "scale": options.scale,
         "expert": options.expert,
         "worker": options.worker,
         "people_version": parameter_version(),
+        "habits": options.habits.to_json(),
     }
-    settings = options.settings.to_json()
-    return Policy(
-        name=f"{options.expert}-{options.settings.seed}-{version.iterations:03}",
-        origin="simulated",
-        thresholds=options.settings.thresholds,
-        robot_table=version.tables[0],
-        station_table=version.tables[1],
-        training={
-            "data_sha256": version.data_sha256,
-            "settings": settings | people | {"iteration": version.iterations},
-            "seed": settings.pop("seed"),
-            "scores": {f"{rate}_before": round(getattr(own, rate)(before), 6) for rate in RATES},
-            "libraries": {name: importlib.metadata.version(name) for name in LIBRARIES},
-        },
-    )
+    if options.hall is not None:
+        people["hall"] = options.hall.to_json()
+    prefix = f"{options.expert}-{options.settings.seed}"
+    return describe_version(version, options.settings, own, "simulated", prefix, people)
 
 
 def write_dataset(path: Path, dataset: Dataset, settings: LearningSettings) -> None:
-    """Write a row per pair, masks as numbers (1 live location, 2 ghost, 4 trajectory)."""
-    states = (ROBOT_STATES, STATION_STATES)
-    rows = (
-        (
-            pair.iteration,
-            pair.trial,
-            pair.trial_seed,
-            pair.tick,
-            DOMAINS[pair.domain].name,
-            pair.agent,
-            states[pair.domain][pair.state],
-            pair.box,
-            pair.proposal,
-            pair.drawn,
-            pair.label,
-            "" if pair.edit_ticks < 0 else round(pair.edit_ticks / 30, 3),
-            "expert" if pair.by_expert else "policy",
-            settings.box_mode,
-            settings.label_source,
-            "simulated",
-        )
-        for pair in dataset
-    )
+    """Write a row per pair."""
+    rows = (dataset_row(pair, settings, "simulated") for pair in dataset)
     _write_table(path, DATASET_FIELDS, rows)
 
 

@@ -33,6 +33,18 @@ def read_policy_file(path: Path) -> Policy:
         raise PolicyError(problem.what, where=where, next_step=problem.next_step) from problem
 
 
+def read_policy_upload(data: bytes) -> Policy:
+    """The policy in an uploaded file; PolicyError says what is wrong with it."""
+    if not data:
+        raise PolicyError("the file is empty", next_step="Choose a policy file.")
+    if len(data) > MAX_BYTES:
+        raise PolicyError(
+            f"the file is larger than {MAX_BYTES} bytes, so it is no policy",
+            next_step="Choose a policy file.",
+        )
+    return read_policy(data)
+
+
 def shipped_policy() -> Policy:
-    """The policy that comes with the software: everything on, the paper's initial policy."""
+    """The policy that comes with the software."""
     return read_policy(resources.files("study.policies").joinpath(SHIPPED).read_bytes())

@@ -63,7 +63,8 @@ class TooLarge(StudyError):
         self.limit_bytes = limit_bytes
         super().__init__(
             f"what was sent is larger than the {limit_bytes // 1024} kB allowed here",
-            next_step="Shorten the text and send the form again; go back to find what you typed.",
+            next_step="Shorten the text, or choose a smaller file, and send the form again; go "
+            "back to find what you typed.",
         )
 
 

@@ -20,6 +20,7 @@ from server.app import create_app
 from server.live.line import LineProtocol
 from server.locations import web_root
 from server.pages.rendering import Renderer
+from server.policy_desk import PolicyDesk
 from server.settings import Settings
 from server.store.engine import Database, serve_alone
 from server.store.schema import check_schema, migrate
@@ -67,7 +68,7 @@ def bind(host: str, port: int) -> socket.socket:
 async def _serve(settings: Settings, studies: Sequence[Study], listener: socket.socket) -> None:
     Renderer(web_root()).assets.check()
     app = create_app(settings, studies)
-    password = await _prepare(settings)
+    password = await _prepare(settings, studies)
     _announce(settings.host, listener.getsockname()[1], studies, password)
     config = uvicorn.Config(
         app,
@@ -85,16 +86,19 @@ async def _serve(settings: Settings, studies: Sequence[Study], listener: socket.
     await uvicorn.Server(config).serve(sockets=[listener])
 
 
-async def _prepare(settings: Settings) -> str | None:
+async def _prepare(settings: Settings, studies: Sequence[Study]) -> str | None:
     """Refuse a database that is in use or of another version; make the first administrator.
 
-    Returns the administrator's password if it was drawn just now. The app takes the lock again
-    for as long as it runs.
+    Says what is doubtful about the studies' policies. Returns the administrator's password if it
+    was drawn just now. The app takes the lock again for as long as it runs.
     """
     database = Database(settings.database)
     try:
         async with serve_alone(database):
             await _prepare_schema(database)
+            desk = PolicyDesk(database, {study.study_id: study for study in studies})
+            for warning in await desk.list_warnings():
+                say(f"Warning: {warning}")
             return await ensure_admin(database, settings)
     finally:
         await database.close()

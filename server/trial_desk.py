@@ -6,11 +6,13 @@ import uuid
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
+from server import policy_files
 from server.live.ports import Kind, OpenTrial, TrialBatch, TrialResult, TrialSetup
 from server.store.engine import Database
 from server.store.journals import add_batches, lock_open, read_journal
+from server.store.learning import add_rows, read_run
 from server.store.moves import move
 from server.store.participants import (
     ParticipantRecord,
@@ -18,28 +20,25 @@ from server.store.participants import (
     note_shown,
     read_participant,
 )
+from server.store.policies import find_active, keep_policy, read_policies
 from server.store.studies import read_version
 from server.store.trials import (
     TrialRecord,
     add_trial,
     find_trial,
-    keep_policy,
-    read_policies,
     read_trial,
     store_result,
 )
 from study.config import Study
 from study.errors import NotAllowedLive, WrongStep
+from study.learning.policy import Policy, read_policy
 from study.protocol.displays import display_label
 from study.protocol.flow import IdleTooLong, Submission, TrialEnded, is_trial, step_kind
 from study.protocol.orders import practice_seed, trial_seed
 from study.warehouse.halls import PRESETS, HallSpec
 
-if TYPE_CHECKING:
-    from study.learning.policy import Policy
-
 Clock = Callable[[], datetime]
-PolicySource = Callable[[Study, str], "Policy | None"]
+PolicySource = Callable[[Study, str], Policy | None]
 
 
 def utc_now() -> datetime:
@@ -48,14 +47,12 @@ def utc_now() -> datetime:
 
 
 def shipped_policy(study: Study, condition: str) -> Policy | None:
-    """The policy file that a condition runs: for `varil` the shipped one.
+    """The policy that a condition runs where none was activated: for `varil` the shipped one.
 
     Raises `PolicyError` if it was made for other thresholds than the study's.
     """
     if condition != "varil":
         return None
-    from server import policy_files  # loads numba, so not before a trial is opened
-
     policy = policy_files.shipped_policy()
     policy.require_thresholds(study.thresholds)
     return policy
@@ -63,7 +60,11 @@ def shipped_policy(study: Study, condition: str) -> Policy | None:
 
 @dataclass(frozen=True)
 class StoredTrialDesk:
-    """Implements `server.live.ports.TrialDesk` on the database."""
+    """Implements `server.live.ports.TrialDesk` on the database.
+
+    Trials of participants are opened here, those of learning runs by `server.learning_desk`; the
+    journals of both are committed and finished here.
+    """
 
     database: Database
     time_scale: float = 1.0
@@ -85,14 +86,15 @@ class StoredTrialDesk:
             trial = await find_trial(session, participant.id, step, attempt)
             if trial is None:
                 study = await read_version(session, participant.study_version_id)
-                trial, policy = self._plan_trial(study, participant, step, attempt)
+                active = await find_active(session, study.study_id)
+                trial, policy = self._plan_trial(study, participant, attempt, active)
                 if policy is not None:
-                    await keep_policy(session, policy.sha256, policy.to_json(), now)
+                    await keep_policy(session, policy, "shipped", now)
                 await add_trial(session, trial, now)
             journal, events = await read_journal(session, trial.id)
             policies = await read_policies(session, [trial.policy_sha256 or ""])
         document = policies.get(trial.policy_sha256 or "")
-        return OpenTrial(_setup(trial, participant.mode, document), journal, events)
+        return OpenTrial(read_setup(trial, participant.mode, document), journal, events)
 
     async def commit(self, batches: Sequence[TrialBatch]) -> Collection[str]:
         """Store what all rooms added, in one transaction; returns the trials that are over."""
@@ -100,18 +102,30 @@ class StoredTrialDesk:
             open_ids = await lock_open(session, [batch.trial_id for batch in batches])
             wanted = [batch for batch in batches if batch.trial_id in open_ids]
             await add_batches(session, wanted, self.clock())
+            for batch in wanted:
+                if batch.learning is not None:
+                    await add_rows(session, batch.learning, self.clock())
         return {batch.trial_id for batch in batches} - open_ids
 
     async def finish(self, trial_id: str, result: TrialResult) -> None:
-        """Store the result and move the participant on, in one transaction; once only."""
+        """Store the result and move the participant on, in one transaction; once only.
+
+        A learning run has no steps: of its trials only the result is stored.
+        """
         now = self.clock()
         async with self.database.writing() as session:
-            owner = (await read_trial(session, trial_id)).participant_id
-            participant = await read_participant(session, owner, lock=True)
+            owner = await read_trial(session, trial_id)
+            participant = None
+            if owner.participant_id is not None:
+                participant = await read_participant(session, owner.participant_id, lock=True)
+            elif owner.learning_run_id is not None:
+                await read_run(session, owner.learning_run_id, lock=True)
             trial = await read_trial(session, trial_id, lock=True)
             if trial.status != "open":
                 return
             await store_result(session, trial_id, result)
+            if participant is None:
+                return
             progress = participant.progress
             if progress.outcome is None and progress.step == trial.step:
                 study = await read_version(session, participant.study_version_id)
@@ -121,9 +135,10 @@ class StoredTrialDesk:
                 await move(session, study, participant, submission, now)
 
     def _plan_trial(
-        self, study: Study, participant: ParticipantRecord, step: str, attempt: int
+        self, study: Study, participant: ParticipantRecord, attempt: int, active: str | None
     ) -> tuple[TrialRecord, Policy | None]:
         """Everything that determines the trial besides the participant's inputs."""
+        step = participant.progress.page
         kind, position = step_kind(step)
         if position is None:
             condition, scale = study.practice.condition, study.practice.scale
@@ -135,7 +150,7 @@ class StoredTrialDesk:
             condition = cast("Any", study.orders[slot.order_index][position - 1])
             seed, scale = trial_seed(study.seed, slot.block, position), study.scale
             label = display_label(position)
-        policy = self.policy_for(study, condition)
+        policy = self._choose_policy(study, condition, active)
         trial = TrialRecord(
             id=uuid.uuid4().hex,
             participant_id=participant.id,
@@ -163,14 +178,20 @@ class StoredTrialDesk:
         )
         return trial, policy
 
+    def _choose_policy(self, study: Study, condition: str, active: str | None) -> Policy | None:
+        """The policy activated for the study, else the source's own; PolicyError if it is for
+        other thresholds than the study's.
+        """
+        if condition != "varil" or active is None:
+            return self.policy_for(study, condition)
+        policy = read_policy(active)
+        policy.require_thresholds(study.thresholds)
+        return policy
 
-def _setup(trial: TrialRecord, mode: str, policy_document: str | None) -> TrialSetup:
+
+def read_setup(trial: TrialRecord, mode: str, policy_document: str | None) -> TrialSetup:
     """What the live loop needs, read from what was stored when the trial was opened."""
-    policy = None
-    if policy_document is not None:
-        from study.learning.policy import read_policy
-
-        policy = read_policy(policy_document)
+    policy = None if policy_document is None else read_policy(policy_document)
     config = trial.config
     return TrialSetup(
         trial_id=trial.id,
@@ -186,4 +207,5 @@ def _setup(trial: TrialRecord, mode: str, policy_document: str | None) -> TrialS
         on_disconnect=config["on_disconnect"],
         abandon_after_s=config["abandon_after_s"],
         ribbon_widest_at=config["ribbon_widest_at"],
+        number=config["learning"]["number"] if "learning" in config else None,
     )

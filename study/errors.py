@@ -12,6 +12,7 @@
     ├── NotFound                no such study, token, trial or step
     │   ├── UnknownStudy
     │   ├── UnknownToken
+    │   ├── UnknownRun
     │   └── UnknownCondition
     └── WrongMoment             right request, wrong time
         ├── WrongStep           a form or socket for another step than the current one
@@ -105,6 +106,17 @@ class UnknownToken(NotFound):
         super().__init__(
             "this personal link is not known here",
             next_step="Check that the whole link was copied, or join again from the first link.",
+        )
+
+
+class UnknownRun(NotFound):
+    """No learning run has this id."""
+
+    def __init__(self, run_id: str) -> None:
+        self.run_id = run_id
+        super().__init__(
+            f"there is no learning run “{run_id[:40]}” here",
+            next_step="Open the list of learning runs and choose one of them.",
         )
 
 

@@ -10,14 +10,13 @@ import numpy.typing as npt
 
 from study.ar.conditions import PolicyTables
 from study.ar.display_kernels import new_shown
-from study.errors import InvalidValue
-from study.people.patrols import PATROLS, Patrol
-from study.people.worker import BELIEVER, Believer
+from study.people.habits import Habits
+from study.people.workers import WORKERS, check_worker, new_worker
 from study.warehouse.layout import Layout
 from study.warehouse.measures import TrialMeasures
 from study.warehouse.world import World
 
-WORKERS = (*PATROLS, BELIEVER)
+__all__ = ["WORKERS", "HeadlessTrial", "check_worker", "simulate_many", "simulate_trial"]
 
 
 @dataclass(frozen=True)
@@ -31,15 +30,6 @@ class HeadlessTrial:
     inputs: npt.NDArray[np.int32] | None
 
 
-def check_worker(name: str) -> str:
-    """Return the worker's name. Errors: InvalidValue naming those that exist."""
-    if name not in WORKERS:
-        raise InvalidValue(
-            f"there is no worker “{name[:40]}”", next_step=f"Use one of: {', '.join(WORKERS)}."
-        )
-    return name
-
-
 def simulate_trial(
     layout: Layout,
     seed: int,
@@ -47,21 +37,21 @@ def simulate_trial(
     *,
     condition: str = "none",
     policy: PolicyTables | None = None,
+    habits: Habits | None = None,
     keep_inputs: bool = False,
 ) -> HeadlessTrial:
     """Run one trial to its end. The same arguments give the same bits.
 
     Only the believer looks at the display that `condition` shows; `varil` needs its policy.
+    `habits`: of the believer or the oracle, the defaults where there are none.
     Errors: InvalidValue for an unknown worker, UnknownCondition.
     """
     check_worker(worker)
     world = World(layout, seed)
     most = int(world.floor.hall["cap_ticks"][0]) if keep_inputs else 0
     record = np.zeros((most, 2), dtype=np.int32)
-    if worker == BELIEVER:
-        ticks = Believer(world, seed).run(new_shown(layout, condition, policy), record)
-    else:
-        ticks = Patrol(worker, world.floor, world.motion, seed).run(record)
+    walker = new_worker(worker, world, seed, habits)
+    ticks = walker.run(new_shown(layout, condition, policy), record)
     measures = world.measures()
     inputs = record[:ticks] if keep_inputs else None
     return HeadlessTrial(seed, worker, measures, world.state_hash(), inputs)
@@ -73,7 +63,10 @@ def simulate_many(
     worker: str,
     condition: str = "none",
     policy: PolicyTables | None = None,
+    habits: Habits | None = None,
 ) -> Iterator[HeadlessTrial]:
     """Run one trial per seed, one after the other."""
     for seed in seeds:
-        yield simulate_trial(layout, seed, worker, condition=condition, policy=policy)
+        yield simulate_trial(
+            layout, seed, worker, condition=condition, policy=policy, habits=habits
+        )

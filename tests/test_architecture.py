@@ -29,6 +29,7 @@ ROOMS_OF_STUDY = {  # a room may import itself and the rooms named behind it
     "config": {"errors", "warehouse", "ar", "protocol"},
     "policies": set(),
     "headless": {"errors", "warehouse", "ar", "learning", "people", "records"},
+    "analysis": {"errors", "records"},
 }
 HEAVY = ("sklearn", "scipy", "joblib", "matplotlib", "pandas", "numba", "alembic")
 

@@ -1,21 +1,22 @@
 """One participant's socket as a state machine: wants hello -> opening -> joined -> closed.
 
-It is an ASGI application, to be mounted at `/p/{token}/live`. Whatever does not fit the state
-closes the socket with a code and a reason that says what was wanted; no other room notices.
+It is an ASGI application, to be mounted at `/p/{token}/live`, and at `/w/{token}/live` for the
+worker of a learning run, who takes part in the same way. Whatever does not fit the state closes
+the socket with a code and a reason that says what was wanted; no other room notices.
 """
 
 from __future__ import annotations
 
 import asyncio
 import logging
-import time
-from collections.abc import Awaitable, Callable, Mapping, MutableMapping
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from starlette.datastructures import Headers
 
 from server.live import wire
-from server.live.line import find_line
+from server.live.connection import Allowance, Receive, refuse_socket, serve_socket
+from server.live.line import Line
 from server.live.outbox import Outbox, Send
 from server.live.sink import Sink
 from server.live.wire import CloseCode, WireError
@@ -24,12 +25,9 @@ from study.errors import StudyError
 
 logger = logging.getLogger(__name__)
 
-Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 HELLO_WITHIN_S = 15.0
-CLOSE_WITHIN_S = 5.0
 MESSAGES_PER_S = 200.0
 MESSAGES_BURST = 600.0
-NO_STATUS = 1005
 
 
 class JoinedRoom(Protocol):
@@ -73,36 +71,32 @@ class RoomOpener(Protocol):
 
 
 class LiveEndpoint:
-    """Serves participants' sockets. `same_origin` judges the handshake's headers."""
+    """Serves participants' sockets. `same_origin` judges the handshake's headers.
 
-    def __init__(self, rooms: RoomOpener, same_origin: Callable[[Headers], bool]) -> None:
+    `page` is the address of the participant's page without the token.
+    """
+
+    def __init__(
+        self, rooms: RoomOpener, same_origin: Callable[[Headers], bool], page: str = "/p"
+    ) -> None:
         self._rooms = rooms
         self._same_origin = same_origin
+        self._page = page
 
     async def __call__(self, scope: Mapping[str, Any], receive: Receive, send: Send) -> None:
         """Serve one socket from handshake to close."""
         await receive()
         if not self._same_origin(Headers(raw=list(scope["headers"]))):
-            await send({"type": "websocket.close", "code": CloseCode.WRONG_ORIGIN})
+            await refuse_socket(send)
             return
-        await send({"type": "websocket.accept"})
         token = str(scope["path_params"]["token"])
-        line = find_line(scope)
-        outbox = Outbox(send, f"{scope.get('root_path', '')}/p/{token}", line)
-        session = Session(self._rooms, token, outbox)
-        if line is not None:
-            line.listen(session.hear)
-        writer = asyncio.create_task(outbox.run())
-        reader = asyncio.create_task(session.read(receive))
-        try:
-            await asyncio.wait({reader, outbox.closing}, return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            session.leave()
-            reader.cancel()
-            if outbox.closing.done():
-                await asyncio.wait({writer}, timeout=CLOSE_WITHIN_S)
-            writer.cancel()
-            await asyncio.gather(reader, writer, return_exceptions=True)
+        page = f"{scope.get('root_path', '')}{self._page}/{token}"
+
+        def begin(line: Line | None) -> tuple[Outbox, Session]:
+            outbox = Outbox(send, page, line)
+            return outbox, Session(self._rooms, token, outbox)
+
+        await serve_socket(scope, receive, send, begin)
 
 
 class Session:
@@ -114,28 +108,16 @@ class Session:
         self._outbox = outbox
         self._room: JoinedRoom | None = None
         self._opening: asyncio.Task[None] | None = None
-        self._code = NO_STATUS
         self._is_greeted = False
         self._patience = asyncio.get_running_loop().call_later(HELLO_WITHIN_S, self._lose_patience)
-        self._allowance = MESSAGES_BURST
-        self._allowance_s = 0.0
-
-    async def read(self, receive: Receive) -> None:
-        """Read until the socket ends; what its line hears directly does not come by here."""
-        while True:
-            message = await receive()
-            if message["type"] == "websocket.disconnect":
-                self._code = message.get("code") or NO_STATUS
-                return
-            data = message.get("bytes")
-            self.hear(message["text"] if data is None else data)
+        self._allowance = Allowance(MESSAGES_PER_S, MESSAGES_BURST)
 
     def hear(self, frame: str | bytes) -> None:
         """Take one message of the client; one that does not fit ends the socket."""
         if self._outbox.closing.done():
             return
         try:
-            self._check_rate()
+            self._allowance.spend()
             message = wire.parse_text(frame) if isinstance(frame, str) else wire.parse_input(frame)
             if self._is_greeted:
                 self._take(message)
@@ -147,14 +129,14 @@ class Session:
             logger.exception("a live socket failed")
             self._outbox.close(CloseCode.TRY_LATER, "the server had a fault; try again")
 
-    def leave(self) -> None:
+    def leave(self, code: int) -> None:
         """The socket ends: its room, if it has one, hears of it."""
         self._patience.cancel()
         if self._opening is not None:
             self._opening.cancel()
         if self._room is not None:
             room, self._room = self._room, None
-            room.leave(self._outbox, self._code)
+            room.leave(self._outbox, code)
 
     def _lose_patience(self) -> None:
         self._outbox.close(CloseCode.MALFORMED, "wanted “hello” first, got nothing")
@@ -207,11 +189,3 @@ class Session:
                 room.take_attention(message)
             else:
                 room.take_context(message)
-
-    def _check_rate(self) -> None:
-        now_s = time.perf_counter()
-        gained = (now_s - self._allowance_s) * MESSAGES_PER_S
-        self._allowance = min(MESSAGES_BURST, self._allowance + gained) - 1.0
-        self._allowance_s = now_s
-        if self._allowance < 0.0:
-            raise WireError(f"at most {MESSAGES_PER_S:.0f} messages a second", "more")

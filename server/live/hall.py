@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from server.live.clock import Clock, SystemClock
 from server.live.journal_writer import JournalWriter
-from server.live.ports import OpenTrial, TrialDesk
+from server.live.ports import OpenTrial, TrialBatch, TrialDesk
 from server.live.room import Room
 from server.live.ticker import Ticked, Ticker
 from server.live.wire import CloseCode
@@ -46,14 +46,7 @@ class Hall:
         self.clock = clock or SystemClock()
         self.rooms: dict[str, Room] = {}
         self.ticker = Ticker(self.clock, self._give_up)
-        self.writer = JournalWriter(
-            desk,
-            self._all_rooms,
-            self._forget,
-            self._close_refused,
-            self._close_over,
-            self.clock,
-        )
+        self.writer = JournalWriter(desk, self, self.clock)
         self._desk = desk
         self._prepare = prepare
         self._preparing: asyncio.Task[None] | None = None
@@ -90,11 +83,9 @@ class Hall:
 
     async def enter(self, token: str) -> Room:
         """The room of the participant's current trial; raises what the desk raises."""
-        if self._preparing is not None:
-            await asyncio.shield(self._preparing)
+        await self.settle()
         while True:
-            if self.writer.owes and not await self.writer.flush():
-                raise StillStoring
+            await self._store_owed()
             forgotten = self._forgotten
             opened = await self._desk.open_trial(token)
             trial_id = opened.setup.trial_id
@@ -107,14 +98,31 @@ class Hall:
                 task = self._opening[trial_id] = asyncio.create_task(self._open(opened))
             return await asyncio.shield(task)
 
+    async def settle(self) -> None:
+        """Return once trials can open: the world is compiled, and what was played is stored.
+
+        Raises StillStoring.
+        """
+        if self._preparing is not None:
+            await asyncio.shield(self._preparing)
+        await self._store_owed()
+
+    def admit(self, room: Room) -> None:
+        """Drive and store a room that somebody else has opened."""
+        self.rooms[room.setup.trial_id] = room
+        self.ticker.add(room)
+
+    async def _store_owed(self) -> None:
+        if self.writer.owes and not await self.writer.flush():
+            raise StillStoring
+
     async def _open(self, opened: OpenTrial) -> Room:
         from server.live.opening import open_room  # loads numba, so not before it is needed
 
         trial_id = opened.setup.trial_id
         try:
             room = await open_room(opened, self.clock)
-            self.rooms[trial_id] = room
-            self.ticker.add(room)
+            self.admit(room)
             return room
         finally:
             del self._opening[trial_id]
@@ -126,29 +134,41 @@ class Hall:
             logger.exception("the world could not be compiled; no trial can open")
             raise
 
-    def _all_rooms(self) -> Iterable[Room]:
+    # ---- what the writer tells ----------------------------------------------------------------
+
+    def all_rooms(self) -> Iterable[Room]:
+        """Every room there is now."""
         return tuple(self.rooms.values())
 
-    def _forget(self, room: Room) -> None:
+    def note_committed(self, batch: TrialBatch) -> None:
+        """A room hears that what it did until then is stored."""
+        room = self.rooms.get(batch.trial_id)
+        if room is not None:
+            room.note_committed(batch)
+
+    def forget(self, room: Room) -> None:
+        """Stop driving a room."""
         self._forgotten += 1
         self.rooms.pop(room.setup.trial_id, None)
         self.ticker.remove(room)
 
-    def _close_refused(self, trial_id: str) -> None:
+    def close_refused(self, trial_id: str) -> None:
+        """Close the room of a trial that cannot be stored."""
         self._close(trial_id, CloseCode.TRY_LATER, "this trial could not be stored; open it again")
 
-    def _close_over(self, trial_id: str) -> None:
+    def close_over(self, trial_id: str) -> None:
+        """Close the room of a trial that has ended elsewhere."""
         self._close(trial_id, CloseCode.NO_TRIAL, "this trial is over; load the page again")
 
     def _close(self, trial_id: str, code: CloseCode, reason: str) -> None:
         room = self.rooms.get(trial_id)
         if room is not None:
-            self._forget(room)
+            self.forget(room)
             room.shut_down(code, reason)
 
     def _give_up(self, ticked: Ticked, problem: Exception) -> None:
-        for room in self._all_rooms():
+        for room in self.all_rooms():
             if room is ticked:
-                self._forget(room)
+                self.forget(room)
                 room.shut_down(CloseCode.TRY_LATER, GAVE_UP)
                 self.writer.keep(room.take_batch())

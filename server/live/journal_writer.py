@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Iterable
+from collections.abc import Collection, Iterable
+from typing import Protocol
 
 from server.live.clock import Clock
 from server.live.ports import TrialBatch, TrialDesk
@@ -18,6 +19,30 @@ COMMIT_WITHIN_S = 20.0
 ALONE_AFTER_FAILURES = 3
 
 
+class RoomKeeper(Protocol):
+    """Who holds the rooms and hears how storing them went."""
+
+    def all_rooms(self) -> Iterable[Room]:
+        """Every room there is now."""
+        ...
+
+    def note_committed(self, batch: TrialBatch) -> None:
+        """This is stored for good."""
+        ...
+
+    def forget(self, room: Room) -> None:
+        """The room's result is stored; the room is not needed any more."""
+        ...
+
+    def close_refused(self, trial_id: str) -> None:
+        """What this trial did since the last commit cannot be stored."""
+        ...
+
+    def close_over(self, trial_id: str) -> None:
+        """The trial had ended before: nothing more is stored of it."""
+        ...
+
+
 class JournalWriter:
     """The only writer of trials. A batch that failed is offered again, unchanged, before others.
 
@@ -27,23 +52,12 @@ class JournalWriter:
     `failing_since_s` is None while all is well, else the clock's time of the first failure.
     """
 
-    def __init__(
-        self,
-        desk: TrialDesk,
-        rooms: Callable[[], Iterable[Room]],
-        on_stored: Callable[[Room], None],
-        on_refused: Callable[[str], None],
-        on_over: Callable[[str], None],
-        clock: Clock,
-    ) -> None:
+    def __init__(self, desk: TrialDesk, keeper: RoomKeeper, clock: Clock) -> None:
         self.failing_since_s: float | None = None
         self.commits = 0
         self.slowest_commit_s = 0.0
         self._desk = desk
-        self._rooms = rooms
-        self._on_stored = on_stored
-        self._on_refused = on_refused
-        self._on_over = on_over
+        self._keeper = keeper
         self._clock = clock
         self._pending: tuple[TrialBatch, ...] = ()
         self._left_over: list[TrialBatch] = []
@@ -59,7 +73,7 @@ class JournalWriter:
     @property
     def owes(self) -> bool:
         """Whether something of a trial that has no room any more is not stored yet."""
-        held = {room.setup.trial_id for room in self._rooms()}
+        held = {room.setup.trial_id for room in self._keeper.all_rooms()}
         return any(b.trial_id not in held for b in (*self._pending, *self._left_over))
 
     async def run(self) -> None:
@@ -88,7 +102,7 @@ class JournalWriter:
     async def _commit(self) -> None:
         if self._pending:
             await self._commit_pending()
-        for room in self._rooms():
+        for room in self._keeper.all_rooms():
             self.keep(room.take_batch())
             if room.result is not None and room not in self._finished:
                 self._finished.append(room)
@@ -99,16 +113,19 @@ class JournalWriter:
 
     async def _commit_pending(self) -> None:
         try:
-            over = await self._desk.commit(self._pending)
+            over: Collection[str] = await self._desk.commit(self._pending)
         except Exception:
             if self._failures < ALONE_AFTER_FAILURES:
                 raise
             over = await self._commit_singly()
         self.commits += 1
-        self._pending = ()
+        committed, self._pending = self._pending, ()
+        for batch in committed:
+            if batch.trial_id not in over:
+                self._keeper.note_committed(batch)
         for trial_id in over:
             self._drop(trial_id)
-            self._on_over(trial_id)
+            self._keeper.close_over(trial_id)
 
     async def _commit_singly(self) -> set[str]:
         """After repeated failures: one trial that cannot be stored must not hold up the others."""
@@ -126,7 +143,8 @@ class JournalWriter:
                 "the trial %s cannot be stored and was given up", trial_id, exc_info=reason
             )
             self._drop(trial_id)
-            self._on_refused(trial_id)
+            self._keeper.close_refused(trial_id)
+        self._pending = tuple(b for b in self._pending if b.trial_id not in refused)
         return over
 
     def _drop(self, trial_id: str) -> None:
@@ -140,7 +158,7 @@ class JournalWriter:
                 await self._desk.finish(room.setup.trial_id, room.result)
             self._finished.pop(0)
             room.finish_stored()
-            self._on_stored(room)
+            self._keeper.forget(room)
 
     def _note_failure(self) -> None:
         if self.failing_since_s is None:

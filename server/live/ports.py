@@ -12,13 +12,14 @@ from datetime import datetime
 from typing import TYPE_CHECKING, Literal, Protocol
 
 if TYPE_CHECKING:  # the web process loads the compiled world only after it answers
+    from server.live.learning.ports import LearningRows
     from study.learning.policy import Policy
     from study.records.events import JournalEvent
     from study.records.journal import JournalChunk
     from study.warehouse.layout import HallSpec
     from study.warehouse.measures import TrialMeasures
 
-Kind = Literal["practice", "trial"]
+Kind = Literal["practice", "trial", "learning"]
 Outcome = Literal["completed", "timed_out", "abandoned"]
 
 
@@ -28,6 +29,8 @@ class TrialSetup:
 
     `condition` is a name of `study.ar.conditions.CONDITIONS`; `policy` is given for conditions
     that run one. `label` is what the participant may read. `time_scale` 1.0 is real time.
+    A trial of a learning run has the condition `learning`, no policy of its own, and its `number`
+    in the run, from 0; its display is decided by the run.
     """
 
     trial_id: str
@@ -43,6 +46,7 @@ class TrialSetup:
     on_disconnect: Literal["pause", "continue"] = "pause"
     abandon_after_s: float = 3600.0
     ribbon_widest_at: Literal["goal", "robot"] = "goal"
+    number: int | None = None
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,8 @@ class TrialBatch:
     `chunk` is None when no tick passed. `tick` and `phase` say where the trial stands after it.
     A batch may arrive twice (the answer to the first commit was lost): chunks are told apart by
     (trial_id, chunk.first_tick), events by (trial_id, event.number); store each once.
+    `learning` is what a trial of a learning run added to that run, stored with the rest or not
+    at all.
     """
 
     trial_id: str
@@ -71,6 +77,7 @@ class TrialBatch:
     events: tuple[JournalEvent, ...]
     tick: int
     phase: Literal["waiting", "countdown", "running", "paused", "finished"]
+    learning: LearningRows | None = None
 
 
 @dataclass(frozen=True)

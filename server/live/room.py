@@ -20,7 +20,7 @@ from server.live.sink import Sink
 from server.live.wire import CloseCode, PhaseName, PhaseReason
 
 if TYPE_CHECKING:
-    from study.ar.display import DisplayClock
+    from study.ar.display import DisplaySource
     from study.warehouse.world import World
 
 ENDINGS: dict[str, tuple[PhaseReason, Outcome]] = {
@@ -39,7 +39,7 @@ class Room:
         self,
         setup: TrialSetup,
         world: World,
-        display: DisplayClock,
+        display: DisplaySource,
         chronicle: Chronicle,
         inbox: Inbox,
         clock: Clock,
@@ -200,6 +200,9 @@ class Room:
     def take_batch(self) -> TrialBatch | None:
         """What happened since the last call, or None."""
         return self._chronicle.take_batch(self.phase)
+
+    def note_committed(self, batch: TrialBatch) -> None:
+        """This is stored for good. Nobody in an ordinary trial waits for that."""
 
     def finish_stored(self) -> None:
         """The result is kept: everybody may go on."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from datetime import datetime
 from typing import Any
 
 from fastapi import APIRouter
@@ -10,6 +9,8 @@ from starlette.responses import Response, StreamingResponse
 
 from server.deps import AdminDep, ServicesDep
 from server.export import MODES, stream_export
+from server.pages.rendering import moment
+from server.policy_desk import needs_confirmation
 from server.store.participants import ParticipantRecord, count_by_outcome, list_participants
 from server.store.users import add_audit
 from server.trial_desk import utc_now
@@ -44,6 +45,7 @@ async def show_participants(
         "counts": counts,
         "page": page,
         "pages": max(1, -(-total // PAGE_ROWS)),
+        "policy": await _policy_values(services, shown),
     }
     return services.renderer.page("admin.html", values)
 
@@ -69,6 +71,19 @@ async def download_export(
     )
 
 
+async def _policy_values(services: ServicesDep, study: Study) -> dict[str, Any] | None:
+    """The policy that the study runs, with its origin; None if no condition of it runs one."""
+    active = await services.policies.find_active(study)
+    if active is None:
+        return None
+    return {
+        "name": active.policy.name,
+        "origin": active.policy.origin,
+        "sha256": active.policy.sha256,
+        "warn": needs_confirmation(active.policy, study),
+    }
+
+
 def _find_study(services: ServicesDep, study_id: str) -> Study:
     studies = services.participants.studies
     if not study_id and studies:
@@ -88,11 +103,7 @@ def _row(record: ParticipantRecord, study: Study) -> dict[str, Any]:
         "step": record.progress.step,
         "status": record.progress.outcome or "active",
         "order": order,
-        "joined": _moment(record.joined_at),
-        "seen": _moment(record.seen_at),
-        "ended": _moment(record.ended_at),
+        "joined": moment(record.joined_at),
+        "seen": moment(record.seen_at),
+        "ended": moment(record.ended_at),
     }
-
-
-def _moment(moment: datetime | None) -> str:
-    return f"{moment:%Y-%m-%d %H:%M:%S}" if moment else ""

@@ -13,10 +13,11 @@ from starlette.responses import JSONResponse, RedirectResponse, Response
 from server.pages.rendering import Renderer
 from server.problems import Problem, SignInNeeded, problem_of
 from server.tokens import looks_like_token
-from study.errors import StudyError, UnknownToken
+from study.errors import NotFound, StudyError, UnknownToken
 
 _OURS = Problem(500, "Something went wrong on our side", 1011)
 _PERSONAL = re.compile(r"^/p/(?P<token>[^/]+)")
+_WORKERS = re.compile(r"^/w/[A-Za-z0-9_-]+$")
 _HEADLINES = {
     404: "There is nothing at this address",
     405: "This address does not take that kind of request",
@@ -83,6 +84,8 @@ def _way_out(request: Request, error: Exception) -> dict[str, Any]:
     known = personal is not None and looks_like_token(personal["token"])
     if personal is not None and known and not isinstance(error, UnknownToken):
         return {"address": f"/p/{personal['token']}", "text": "Go to the current step"}
+    if _WORKERS.match(path) and not isinstance(error, NotFound):
+        return {"address": path, "text": "Load the page again"}
     if path.startswith(("/admin", "/expert", "/login")):
         return {"address": "/login", "text": "Go to your start page"}
     return {"address": "/", "text": "Go to the start page"}

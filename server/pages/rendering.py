@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,9 @@ from starlette.types import Scope
 
 from study.errors import StudyError
 
-_REQUIRED = ("dist/page.css", "dist/play.css", "dist/play.js", "dist/check.js", "dist/form.js")
+_BUNDLES = (
+    "page.css", "play.css", "expert.css", "play.js", "check.js", "form.js", "expert.js",
+)  # fmt: skip
 
 
 class MissingAssets(StudyError):
@@ -38,7 +41,7 @@ class Assets:
 
     def check(self) -> None:
         """Raise `MissingAssets` unless everything that pages load was built."""
-        missing = [name for name in _REQUIRED if not (self._static / name).is_file()]
+        missing = [name for name in _BUNDLES if not (self._static / "dist" / name).is_file()]
         if missing:
             raise MissingAssets(missing)
 
@@ -72,6 +75,11 @@ class Renderer:
     def page(self, template: str, values: Mapping[str, Any], status: int = 200) -> HTMLResponse:
         """The page as an answer."""
         return HTMLResponse(self._environment.get_template(template).render(values), status)
+
+
+def moment(at: datetime | None) -> str:
+    """A moment in UTC as tables show it; nothing for none."""
+    return f"{at:%Y-%m-%d %H:%M:%S}" if at else ""
 
 
 class CachedFiles(StaticFiles):

@@ -67,12 +67,6 @@ async def sign_out(services: ServicesDep, user: StaffDep) -> Response:
     return answer
 
 
-@router.get("/expert")
-async def show_expert_home(services: ServicesDep, user: StaffDep) -> Response:
-    """What the role “expert” may open today."""
-    return services.renderer.page("expert.html", {"user": user})
-
-
 def _login_page(
     services: ServicesDep, name: str, problem: str | None, status: int = 200
 ) -> Response:

@@ -13,7 +13,7 @@ from typing import Any
 from sqlalchemy import Connection, event, make_url, text
 from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
-from sqlalchemy.ext.asyncio import AsyncEngine, AsyncSession, create_async_engine
+from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine, AsyncSession, create_async_engine
 
 from study.errors import StudyError
 
@@ -106,6 +106,29 @@ class Database:
         with _translate_trouble():
             async with AsyncSession(reader) as session:
                 yield session
+
+    @asynccontextmanager
+    async def rebuilding(self) -> AsyncIterator[AsyncConnection]:
+        """A transaction in which tables are changed, committed unless the block raises.
+
+        SQLite changes a table by making it anew, which no reference to it may hinder meanwhile:
+        references are off in a connection of its own, and checked before it commits.
+        """
+        with _translate_trouble():
+            if self.file is None:
+                async with self.engine.begin() as connection:
+                    yield connection
+                return
+            engine = _make_engine(self.url, self.file)
+            event.listen(engine.sync_engine, "connect", _let_references_dangle)
+            try:
+                async with self._write_lock, engine.begin() as connection:
+                    yield connection
+                    dangling = await connection.exec_driver_sql("PRAGMA foreign_key_check")
+                    if (row := dangling.first()) is not None:
+                        raise RuntimeError(f"the change left a dangling reference: {tuple(row)}")
+            finally:
+                await engine.dispose()
 
     async def ping(self) -> None:
         """Raise `StorageAway` unless the database answers."""
@@ -204,6 +227,14 @@ def _prepare_sqlite(connection: Any, record: object) -> None:
         f"busy_timeout = {BUSY_TIMEOUT_MS}",
     ):
         cursor.execute(f"PRAGMA {setting}")
+    cursor.close()
+
+
+def _let_references_dangle(connection: Any, record: object) -> None:
+    """Foreign keys can only be switched outside of a transaction, so for a whole connection."""
+    del record
+    cursor = connection.cursor()
+    cursor.execute("PRAGMA foreign_keys = OFF")
     cursor.close()
 
 

@@ -10,7 +10,7 @@ from sqlalchemy import select, update
 from sqlalchemy.ext.asyncio import AsyncSession
 
 from server.store.inserting import insert_new
-from server.store.tables import Participant, Trial, TrialChunk, TrialEvent
+from server.store.tables import LearningRun, Participant, Trial, TrialChunk, TrialEvent
 from study.records.events import JournalEvent
 from study.records.journal import JournalChunk
 
@@ -31,6 +31,9 @@ async def lock_open(session: AsyncSession, trial_ids: Sequence[str]) -> set[str]
         owners = select(Trial.participant_id).where(Trial.id.in_(some))
         lock = select(Participant.id).where(Participant.id.in_(owners)).order_by(Participant.id)
         await session.execute(lock.with_for_update())
+        runs = select(Trial.learning_run_id).where(Trial.id.in_(some))
+        held = select(LearningRun.id).where(LearningRun.id.in_(runs)).order_by(LearningRun.id)
+        await session.execute(held.with_for_update())
         running = select(Trial.id).where(Trial.id.in_(some), Trial.status == "open")
         found |= set(await session.scalars(running))
     return found

@@ -1,69 +1,57 @@
-"""Every table. Migrations under `migrations/versions/` make them; a test holds the two equal."""
+"""The tables of a study. Migrations under `migrations/versions/` make them; a test holds the two
+equal.
+
+Those of learning runs and of policies stand in `server.store.learning_tables`; whoever imports
+this module has them all.
+"""
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import Any
 
 from sqlalchemy import (
-    JSON,
     BigInteger,
     CheckConstraint,
-    DateTime,
-    Dialect,
     ForeignKey,
     Index,
-    Integer,
-    LargeBinary,
-    MetaData,
     String,
     Text,
-    TypeDecorator,
     UniqueConstraint,
 )
-from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+from sqlalchemy.orm import Mapped, mapped_column
 
-RowId = BigInteger().with_variant(Integer, "sqlite")
+from server.store.base import Base, RowId
+from server.store.learning_tables import (
+    LearningPair,
+    LearningRating,
+    LearningRun,
+    LearningVersion,
+    PolicyActivation,
+    StoredPolicy,
+)
 
-
-class UtcTime(TypeDecorator[datetime]):
-    """A moment in UTC; SQLite forgets time zones, so they are put back on the way out."""
-
-    impl = DateTime(timezone=True)
-    cache_ok = True
-
-    def process_bind_param(self, value: datetime | None, dialect: Dialect) -> datetime | None:
-        """Refuse naive times at the door."""
-        del dialect
-        if value is not None and value.tzinfo is None:
-            raise ValueError("times are stored in UTC and must say so")
-        return value.astimezone(UTC) if value is not None else None
-
-    def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:
-        """Give every time its zone."""
-        del dialect
-        if value is None:
-            return None
-        return value.astimezone(UTC) if value.tzinfo else value.replace(tzinfo=UTC)
-
-
-class Base(DeclarativeBase):
-    """Base of all tables, with named constraints so that migrations can find them."""
-
-    metadata = MetaData(
-        naming_convention={
-            "ix": "ix_%(column_0_label)s",
-            "uq": "uq_%(table_name)s_%(column_0_N_name)s",
-            "ck": "ck_%(table_name)s_%(constraint_name)s",
-            "fk": "fk_%(table_name)s_%(column_0_name)s",
-            "pk": "pk_%(table_name)s",
-        }
-    )
-    type_annotation_map = {  # noqa: RUF012 - SQLAlchemy reads it as a plain class attribute
-        datetime: UtcTime(),
-        dict[str, Any]: JSON(),
-        bytes: LargeBinary(),
-    }
+__all__ = (
+    "AuditEntry",
+    "Base",
+    "Claim",
+    "LearningPair",
+    "LearningRating",
+    "LearningRun",
+    "LearningVersion",
+    "PanelId",
+    "Participant",
+    "PolicyActivation",
+    "Response",
+    "StoredPolicy",
+    "StudyVersion",
+    "Trial",
+    "TrialChunk",
+    "TrialEvent",
+    "TrialLeg",
+    "TrialRobot",
+    "User",
+)
 
 
 class StudyVersion(Base):
@@ -151,16 +139,23 @@ class Response(Base):
 
 
 class Trial(Base):
-    """One trial with its full configuration and, once it ended, its measures."""
+    """One trial of a participant or of a learning run, with its full configuration and, once it
+    ended, its measures.
+
+    In a learning run `attempt` counts the run's trials from 1.
+    """
 
     __tablename__ = "trials"
     __table_args__ = (
         UniqueConstraint("participant_id", "step", "attempt"),
+        UniqueConstraint("learning_run_id", "attempt"),
         CheckConstraint("status IN ('open', 'completed', 'timed_out', 'abandoned')", name="status"),
-        CheckConstraint("kind IN ('practice', 'trial')", name="kind"),
+        CheckConstraint("kind IN ('practice', 'trial', 'learning')", name="kind"),
+        CheckConstraint("(participant_id IS NULL) <> (learning_run_id IS NULL)", name="owner"),
     )
     id: Mapped[str] = mapped_column(String(32), primary_key=True)
-    participant_id: Mapped[int] = mapped_column(ForeignKey("participants.id"))
+    participant_id: Mapped[int | None] = mapped_column(ForeignKey("participants.id"))
+    learning_run_id: Mapped[str | None] = mapped_column(ForeignKey("learning_runs.id"))
     step: Mapped[str] = mapped_column(String(40))
     attempt: Mapped[int]
     kind: Mapped[str] = mapped_column(String(10))
@@ -171,7 +166,7 @@ class Trial(Base):
     seed: Mapped[int] = mapped_column(BigInteger)
     config_hash: Mapped[str] = mapped_column(String(64))
     config: Mapped[dict[str, Any]]
-    policy_sha256: Mapped[str | None] = mapped_column(ForeignKey("policies.sha256"))
+    policy_sha256: Mapped[str | None] = mapped_column(ForeignKey("policies.sha256"), index=True)
     status: Mapped[str] = mapped_column(String(20))
     phase: Mapped[str] = mapped_column(String(20))
     ticks: Mapped[int]
@@ -246,15 +241,6 @@ class TrialChunk(Base):
     last_seq: Mapped[int] = mapped_column(BigInteger)
     inputs: Mapped[bytes]
     hashes: Mapped[bytes]
-
-
-class StoredPolicy(Base):
-    """A policy file that some trial ran, by its hash."""
-
-    __tablename__ = "policies"
-    sha256: Mapped[str] = mapped_column(String(64), primary_key=True)
-    document: Mapped[str] = mapped_column(Text)
-    added_at: Mapped[datetime]
 
 
 class User(Base):

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import select, update
+from sqlalchemy import ColumnElement, select, update
 from sqlalchemy.ext.asyncio import AsyncSession
 
-from server.store.inserting import insert_new
-from server.store.tables import StoredPolicy, Trial, TrialLeg, TrialRobot
+from server.store.tables import Trial, TrialLeg, TrialRobot
 from study.errors import NotFound
 
 if TYPE_CHECKING:
@@ -55,10 +54,13 @@ class UnknownTrial(NotFound):
 
 @dataclass(frozen=True)
 class TrialRecord:
-    """A stored trial; `config` holds everything that determines its world besides the inputs."""
+    """A stored trial; `config` holds everything that determines its world besides the inputs.
+
+    It belongs to a participant or to a learning run, whose trials `attempt` counts from 1.
+    """
 
     id: str
-    participant_id: int
+    participant_id: int | None
     step: str
     attempt: int
     kind: str
@@ -71,6 +73,7 @@ class TrialRecord:
     config: Mapping[str, Any]
     policy_sha256: str | None
     status: str = "open"
+    learning_run_id: str | None = None
 
 
 async def find_trial(
@@ -100,6 +103,7 @@ async def add_trial(session: AsyncSession, trial: TrialRecord, now: datetime) ->
         Trial(
             id=trial.id,
             participant_id=trial.participant_id,
+            learning_run_id=trial.learning_run_id,
             step=trial.step,
             attempt=trial.attempt,
             kind=trial.kind,
@@ -150,29 +154,28 @@ async def store_result(session: AsyncSession, trial_id: str, result: TrialResult
     await session.flush()
 
 
+async def list_run_trials(session: AsyncSession, run_id: str) -> list[TrialRecord]:
+    """The trials of a learning run, oldest first."""
+    rows = await session.scalars(
+        select(Trial).where(Trial.learning_run_id == run_id).order_by(Trial.attempt)
+    )
+    return [_record(row) for row in rows]
+
+
 async def abandon_open(session: AsyncSession, participant_id: int, now: datetime) -> None:
     """Mark what this participant left unfinished."""
+    await _abandon(session, Trial.participant_id == participant_id, now)
+
+
+async def abandon_run_trials(session: AsyncSession, run_id: str, now: datetime) -> None:
+    """Mark what was left unfinished when a learning run ended."""
+    await _abandon(session, Trial.learning_run_id == run_id, now)
+
+
+async def _abandon(session: AsyncSession, mine: ColumnElement[bool], now: datetime) -> None:
     await session.execute(
-        update(Trial)
-        .where(Trial.participant_id == participant_id, Trial.status == "open")
-        .values(status="abandoned", ended_at=now)
+        update(Trial).where(mine, Trial.status == "open").values(status="abandoned", ended_at=now)
     )
-
-
-async def keep_policy(session: AsyncSession, sha256: str, document: str, now: datetime) -> None:
-    """Store a policy file by its hash, once."""
-    row = {"sha256": sha256, "document": document, "added_at": now}
-    await insert_new(session, StoredPolicy, [row])
-
-
-async def read_policies(session: AsyncSession, hashes: Iterable[str]) -> dict[str, str]:
-    """Texts of policy files by hash."""
-    rows = await session.execute(
-        select(StoredPolicy.sha256, StoredPolicy.document).where(
-            StoredPolicy.sha256.in_(list(hashes))
-        )
-    )
-    return {sha256: document for sha256, document in rows}  # noqa: C416
 
 
 def _or_none(index: int) -> int | None:
@@ -196,4 +199,5 @@ def _record(row: Trial) -> TrialRecord:
         config=row.config,
         policy_sha256=row.policy_sha256,
         status=row.status,
+        learning_run_id=row.learning_run_id,
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 from study.ar.conditions import Condition
 from study.ar.elements import Display
 from study.ar.situation import ObservedWorld
@@ -9,6 +11,19 @@ from study.ar.situation import ObservedWorld
 DECISION_EVERY_TICKS = 30
 HOLD_TICKS = 60
 BITS = 4
+
+
+class DisplaySource(Protocol):
+    """Whatever decides over a trial what is visible."""
+
+    @property
+    def display(self) -> Display:
+        """What is visible now."""
+        ...
+
+    def update(self, world: ObservedWorld) -> Display | None:
+        """Called after every tick; the new display if it changed."""
+        ...
 
 
 class DisplayClock:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from study.errors import JournalError
 
 NEVER = -1
+_KEPT = ("masks", "proposals", "edited", "confirmed")
 
 
 class Checkboxes:
@@ -53,3 +57,25 @@ class Checkboxes:
         """Whether the expert changed them, or called them right, in the last `within` ticks."""
         known = self.confirmed[agent] != NEVER and tick - self.confirmed[agent] <= within
         return known or self.was_edited(agent, tick, within)
+
+    def copy(self) -> Checkboxes:
+        """The same boxes for somebody else to go on with."""
+        other = Checkboxes(self.robots, len(self.full) - self.robots, follow=self.follow)
+        other.load(self.to_json())
+        return other
+
+    def to_json(self) -> dict[str, list[int]]:
+        """All that carries over from one trial to the next."""
+        return {name: list(getattr(self, name)) for name in _KEPT}
+
+    def load(self, record: Mapping[str, Any]) -> None:
+        """Take over what `to_json` gave. Errors: JournalError if it is of other agents."""
+        for name in _KEPT:
+            values = [int(value) for value in record.get(name, ())]
+            if len(values) != len(self.full):
+                raise JournalError(
+                    f"{len(values)} entries, wanted one for each of {len(self.full)} agents",
+                    where=f"boxes.{name}",
+                    next_step="Restore this learning run from a backup.",
+                )
+            setattr(self, name, values)

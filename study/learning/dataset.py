@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from study.learning.classifiers import Cases
 from study.learning.domains import DOMAINS
+from study.learning.training import Counts
 
 
 class Pair(NamedTuple):
@@ -41,10 +41,12 @@ class Pair(NamedTuple):
 class Dataset:
     """All pairs in the order in which they were met; `counts` per domain int64[states, actions]."""
 
-    def __init__(self) -> None:
+    def __init__(self, pairs: Iterable[Pair] = ()) -> None:
         self.pairs: list[Pair] = []
-        self.counts = tuple(np.zeros((d.states, d.actions), np.int64) for d in DOMAINS)
+        self.counts: Counts = tuple(np.zeros((d.states, d.actions), np.int64) for d in DOMAINS)
         self._digest = hashlib.sha256()
+        for pair in pairs:
+            self.add(pair)
 
     def __len__(self) -> int:
         return len(self.pairs)
@@ -57,14 +59,6 @@ class Dataset:
         self.pairs.append(pair)
         self.counts[pair.domain][pair.state, pair.label] += 1
         self._digest.update((",".join(map(str, pair)) + "\n").encode())
-
-    def holds(self, domain: int) -> bool:
-        """Whether there is any pair of this kind of agent."""
-        return bool(self.counts[domain].any())
-
-    def cases(self, domain: int) -> Cases:
-        """The pairs of one kind of agent for a classifier. Errors: InvalidValue when none."""
-        return Cases.from_counts(self.counts[domain])
 
     def sha256(self) -> str:
         """Hash over all pairs in their order."""

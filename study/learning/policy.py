@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NoReturn, cast
@@ -21,9 +22,11 @@ from study.errors import PolicyError
 
 SCHEMA = "varil-policy"
 SCHEMA_VERSION = 1
-Origin = Literal["initial", "people", "simulated"]
-ORIGINS: tuple[Origin, ...] = ("initial", "people", "simulated")
+Origin = Literal["initial", "control", "people", "simulated"]
+ORIGINS: tuple[Origin, ...] = ("initial", "control", "people", "simulated")
 TRAINING_FIELDS = ("data_sha256", "settings", "seed", "scores", "libraries")
+LONGEST_NAME = 120
+LONGEST_SHOWN = 80
 
 _FIELDS = (
     "schema",
@@ -36,6 +39,7 @@ _FIELDS = (
     "training",
     "sha256",
 )
+_HASH = re.compile(r"[0-9a-f]{64}")
 _REPAIR = "Take the file again from where it was made; it must not be edited by hand."
 
 
@@ -59,9 +63,13 @@ class Policy:
         _check_table("robot_table", self.robot_table, len(ROBOT_STATES), ROBOT_ACTIONS)
         _check_table("station_table", self.station_table, len(STATION_STATES), STATION_ACTIONS)
         if self.origin not in ORIGINS:
-            _refuse("origin", f"{self.origin!r} is not known", f"Use one of {', '.join(ORIGINS)}.")
+            what = f"{_shown(self.origin)} is not known"
+            _refuse("origin", what, f"Use one of {', '.join(ORIGINS)}.")
+        if not 0 < len(self.name) <= LONGEST_NAME or not self.name.isprintable():
+            what = f"{_shown(self.name)} cannot be a policy's name"
+            _refuse("name", what, f"Use 1 to {LONGEST_NAME} printable characters.")
         if self.training is not None:
-            _check_fields("training", self.training, TRAINING_FIELDS)
+            _check_training(self.training)
 
     @property
     def sha256(self) -> str:
@@ -128,20 +136,17 @@ def read_policy(text: str | bytes) -> Policy:
         training=record["training"],
     )
     if policy.sha256 != record["sha256"]:
-        _refuse(
-            "sha256",
-            f"the file says {record['sha256']!r}, its contents give {policy.sha256}",
-            _REPAIR,
-        )
+        said = _shown(record["sha256"])
+        _refuse("sha256", f"the file says {said}, its contents give {policy.sha256}", _REPAIR)
     return policy
 
 
 def _check_schema(record: Mapping[str, Any]) -> None:
     found = (record.get("schema"), record.get("schema_version"))
-    if found != (SCHEMA, SCHEMA_VERSION):
+    if found != (SCHEMA, SCHEMA_VERSION) or type(found[1]) is not int:
         _refuse(
             "schema",
-            f"this is {found[0]!r} version {found[1]!r}, wanted {SCHEMA!r} version"
+            f"this is {_shown(found[0])} version {_shown(found[1])}, wanted {SCHEMA!r} version"
             f" {SCHEMA_VERSION}",
             "Learn the policy again with this version of the software.",
         )
@@ -163,14 +168,37 @@ def _check_table(name: str, table: Sequence[object], states: int, actions: int) 
         if type(action) is not int or not 0 <= action < actions:
             _refuse(
                 f"{name}, {state}",
-                f"the action {action!r} is not allowed",
+                f"the action {_shown(action)} is not allowed",
                 f"Actions are whole numbers from 0 to {actions - 1}.",
             )
 
 
+def _check_training(training: object) -> None:
+    """Refuse what no run of PolicyUp writes, so that whoever shows it need not ask again."""
+    _check_fields("training", training, TRAINING_FIELDS)
+    record = cast("Mapping[str, Any]", training)
+    if not isinstance(record["data_sha256"], str) or not _HASH.fullmatch(record["data_sha256"]):
+        what = f"{_shown(record['data_sha256'])} is no SHA-256 in hexadecimal digits"
+        _refuse("training, data_sha256", what, _REPAIR)
+    if type(record["seed"]) is not int or record["seed"] < 0:
+        _refuse("training, seed", f"{_shown(record['seed'])} is no seed", _REPAIR)
+    for part, kinds in (("settings", (object,)), ("scores", (int, float)), ("libraries", (str,))):
+        if not isinstance(record[part], Mapping):
+            what = f"an object was expected, not {_shown(record[part])}"
+            _refuse(f"training, {part}", what, _REPAIR)
+        for name, value in record[part].items():
+            if not isinstance(value, kinds):
+                what = f"{_shown(value)} is not allowed for “{str(name)[:60]}”"
+                _refuse(f"training, {part}", what, _REPAIR)
+    try:
+        json.dumps(training, ensure_ascii=False).encode()
+    except (TypeError, ValueError):
+        _refuse("training", "it holds something that no file can hold", _REPAIR)
+
+
 def _check_fields(where: str, record: object, wanted: Sequence[str]) -> None:
     if not isinstance(record, Mapping):
-        _refuse(where, f"an object was expected, not {record!r}", _REPAIR)
+        _refuse(where, f"an object was expected, not {_shown(record)}", _REPAIR)
     known = set(wanted)
     missing = [name for name in wanted if name not in record]
     unknown = [name for name in record if name not in known]
@@ -189,8 +217,14 @@ def _listing(names: Sequence[str]) -> str:
 def _text(record: Mapping[str, Any], name: str) -> str:
     value = record[name]
     if not isinstance(value, str) or not value:
-        _refuse(name, f"a text was expected, not {value!r}", _REPAIR)
+        _refuse(name, f"a text was expected, not {_shown(value)}", _REPAIR)
     return value
+
+
+def _shown(value: object) -> str:
+    """A value as a sentence can bear it."""
+    text = repr(value)
+    return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}..."
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any, NoReturn
+from typing import Any, NoReturn, Self
 
 from study.ar.thresholds import Thresholds
 from study.errors import InvalidValue
@@ -15,6 +16,8 @@ PAIR_UNITS = ("agent", "snapshot")
 PAIRS_PER_ITERATION = 25
 SNAPSHOT_TICKS = 120
 RECENT_TICKS = 240
+MOST_ITERATIONS = 2000
+LARGEST_SEED = 2**53
 
 _EXPONENTIAL = re.compile(r"exponential\((0?\.\d+|0|1|1\.0*)\)")
 
@@ -42,10 +45,13 @@ class LearningSettings:
     thresholds: Thresholds = field(default_factory=Thresholds)
 
     def __post_init__(self) -> None:
-        if type(self.iterations) is not int or self.iterations < 1:
-            _refuse("iterations", self.iterations, "a whole number from 1")
-        if type(self.seed) is not int or self.seed < 0:
-            _refuse("seed", self.seed, "a whole number from 0")
+        for name, least, most in (
+            ("iterations", 1, MOST_ITERATIONS),
+            ("seed", 0, LARGEST_SEED),
+        ):
+            value = getattr(self, name)
+            if type(value) is not int or not least <= value <= most:
+                _refuse(name, value, f"a whole number from {least} to {most}")
         for name, allowed in (
             ("box_mode", BOX_MODES),
             ("label_source", LABEL_SOURCES),
@@ -70,6 +76,11 @@ class LearningSettings:
         record = asdict(self)
         del record["thresholds"]
         return record
+
+    @classmethod
+    def from_json(cls, record: Mapping[str, Any], thresholds: Mapping[str, Any]) -> Self:
+        """The settings written by `to_json`, with the thresholds that were stored beside them."""
+        return cls(**record, thresholds=Thresholds.from_json(thresholds))
 
 
 def _refuse(name: str, value: object, wanted: str) -> NoReturn:

@@ -6,25 +6,26 @@ balloon that somebody waits. The belief, not the truth, is what the worker acts 
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from study.ar.display_kernels import Shown
-from study.people.looking import (
-    Draws,
-    chance,
-    elements_in_view,
-    in_sight,
-    in_view,
-)
+from study.people.looking import VIEW, Draws, chance, elements_in_view, in_sight, in_view
+from study.people.parameters import as_record
+from study.people.walking import seed_draws
 from study.warehouse.halls import CELL_M, COLOURS, TICK_HZ
 from study.warehouse.kernels import kernel
+from study.warehouse.layout import Layout
 from study.warehouse.state import HOME_STATE, UNLOADING, WAITING, Floor, Motion
 
 NEVER = -(1 << 30)
 UNKNOWN, WAITS, ARRIVES, BUSY, GONE = range(5)
+GOING, SERVING, THINKING = range(3)
+RIBBON = 4
 
 BELIEF = np.dtype(
     [
@@ -46,12 +47,13 @@ off; `noticed`: tick at which the balloon was last seen; `hits`, `tries`: what b
 MIND = np.dtype(
     [
         ("phase", "i4"), ("station", "i4"), ("until", "i4"), ("items", "i4"), ("balloon", "i4"),
-        ("onset", "i4"),
+        ("onset", "i4"), ("knows", "i4"),
     ],
     align=True,
 )  # fmt: skip
 """`until`: tick at which a pause ends; `items`: things in view at the last look; `balloon`: 1 when
-walking to a balloon; `onset`: 1 if a balloon counts only when it came on after the last visit."""
+walking to a balloon; `onset`: 1 if a balloon counts only when it came on after the last visit;
+`knows`: 1 for the oracle, whose beliefs are the truth."""
 
 
 class Memory(NamedTuple):
@@ -119,6 +121,14 @@ def believe(floor: Floor, motion: Motion, memory: Memory, k: int, told: int) -> 
 
 
 @kernel
+def know_all(floor: Floor, motion: Motion, memory: Memory) -> None:
+    """Believe the truth about every robot; there is nothing to read."""
+    memory.mind[0].items = 0
+    for k in range(motion.robots.size):
+        believe(floor, motion, memory, k, RIBBON)
+
+
+@kernel
 def see_dot(floor: Floor, motion: Motion, memory: Memory, k: int) -> None:
     """Take from a dot on the map its place: standing in a bay it waits, else it is busy a while."""
     r = motion.robots[k]
@@ -155,6 +165,9 @@ def count_items(floor: Floor, motion: Motion, memory: Memory, shown: Shown) -> i
 @kernel
 def look(floor: Floor, motion: Motion, memory: Memory, shown: Shown, factor: float) -> None:
     """Look once with the present view; each thing in it is noticed or not on its own."""
+    if memory.mind[0].knows == 1:
+        know_all(floor, motion, memory)
+        return
     view = memory.views[0]
     skill = memory.skill[0]
     robots = motion.robots
@@ -215,3 +228,39 @@ def forget(memory: Memory, tick: int) -> None:
     for k in range(beliefs.size):
         if beliefs[k].kind == BUSY and beliefs[k].due <= tick:
             beliefs[k].kind = UNKNOWN
+
+
+def new_memory(
+    layout: Layout, seed: int, values: Mapping[str, float], *, knows: bool = False
+) -> Memory:
+    """Return the memory before the first look: nothing known, all stations alike.
+
+    `values`: the worker's parameters. `knows`: for the oracle, who also judges distances exactly.
+    """
+    robots, stations = layout.spec.robots, len(layout.stations)
+    skill = dict(values)
+    skill["half_view_cosine"] = math.cos(math.radians(skill["half_view_deg"]))
+    skill["hick_s"] = skill["hick_s_per_bit"] * math.log2(stations + 1)
+    if knows:
+        skill["distance_cv"] = 0.0
+    memory = Memory(
+        mind=np.zeros(1, dtype=MIND),
+        beliefs=np.zeros(robots, dtype=BELIEF),
+        places=np.zeros(stations, dtype=PLACE),
+        views=np.zeros(1, dtype=VIEW),
+        skill=as_record(skill),
+        draws=seed_draws(seed),
+        sights=np.zeros(robots, dtype=np.uint8),
+    )
+    memory.mind["phase"] = THINKING
+    memory.mind["onset"] = 1
+    memory.mind["knows"] = knows
+    memory.beliefs["first"] = memory.beliefs["second"] = -1
+    memory.beliefs["noticed"] = NEVER
+    memory.places["visited"] = -int(skill["start_s"] * TICK_HZ)
+    memory.places["noticed"] = NEVER
+    memory.places["lit"] = -1
+    memory.places["hits"] = 2.0
+    memory.places["tries"] = 3.0
+    memory.views["sight_m"] = skill["sight_m"]
+    return memory

@@ -15,10 +15,14 @@ from study.ar.display_kernels import Shown
 from study.people.beliefs import (
     ARRIVES,
     BUSY,
+    GOING,
+    SERVING,
+    THINKING,
     UNKNOWN,
     WAITS,
     Memory,
     forget,
+    know_all,
     look,
 )
 from study.people.looking import chance
@@ -29,7 +33,6 @@ from study.warehouse.state import WAITING, Floor, Motion, Record
 
 VISIT_CELLS = 3
 ASIDE_M = 1.3
-GOING, SERVING, THINKING = range(3)
 
 
 @kernel
@@ -107,8 +110,23 @@ def choose(floor: Floor, motion: Motion, memory: Memory, cell: int, keep: float)
         if worth > best_worth:
             best_worth = worth
             best = station
+    if mind.knows == 1 and best_worth <= 0.0:
+        best = next_arrival(memory, mind.station)
     mind.station = best
     mind.balloon = 1 if balloon_counts(memory, best, motion.trial[0].tick) else 0
+
+
+@kernel
+def next_arrival(memory: Memory, here: int) -> int:
+    """Return the station of the robot that arrives first; `here` if none is on its way."""
+    station = here
+    first = 1 << 30
+    for k in range(memory.beliefs.size):
+        b = memory.beliefs[k]
+        if b.kind == ARRIVES and b.due < first:
+            first = b.due
+            station = b.first
+    return station
 
 
 @kernel
@@ -239,6 +257,8 @@ def act(floor: Floor, motion: Motion, memory: Memory, shown: Shown, walker: Reco
     mind = memory.mind[0]
     cell = cell_of(motion.cells, trial.x, trial.y, floor.hall[0].stride)
     phase = mind.phase
+    if mind.knows == 1:
+        know_all(floor, motion, memory)
     if trial.tick % int(memory.skill[0].walking_look_s * TICK_HZ) == 0:
         still = phase != GOING
         aim_view(trial, memory, floor.cosines, still)

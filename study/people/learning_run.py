@@ -2,36 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from study.ar.display import DECISION_EVERY_TICKS, DisplayClock
 from study.ar.elements import Display
-from study.ar.situation import ObservedWorld
 from study.errors import InvalidValue
 from study.learning.boxes import Checkboxes
 from study.learning.policy_up import PolicyUp, stream_seed
 from study.learning.settings import LearningSettings
-from study.people.patrols import PATROLS, Patrol
+from study.people.habits import Habits
+from study.people.person import Person
 from study.people.table_expert import TableExpert
-from study.people.worker import BELIEVER, Believer
+from study.people.workers import Worker, check_worker, new_worker
 from study.warehouse.layout import Layout
 from study.warehouse.world import World
-
-
-class Worker(Protocol):
-    """Somebody who walks, and may look at the display."""
-
-    def next_frame(self, display: Display) -> tuple[int, int]:
-        """Return keys and yaw for the coming tick."""
-        ...
 
 
 class Expert(Protocol):
     """Somebody who sets the boxes."""
 
-    def act(self, world: ObservedWorld, display: Display, boxes: Checkboxes, tick: int) -> None:
+    def act(self, world: World, display: Display, boxes: Checkboxes, tick: int) -> None:
         """Watch after each step of the world, and set boxes; `tick` counts over the run."""
         ...
 
@@ -40,36 +31,26 @@ class Expert(Protocol):
         ...
 
 
-class UnseeingWorker:
-    """A worker who knows the world itself and looks at no display."""
-
-    def __init__(self, name: str, world: World, seed: int) -> None:
-        self._patrol = Patrol(name, world.floor, world.motion, seed)
-
-    def next_frame(self, display: Display) -> tuple[int, int]:
-        """Return keys and yaw, whatever is displayed."""
-        del display
-        return self._patrol.next_frame()
-
-
-WORKERS = (*PATROLS, BELIEVER)
-EXPERTS: Mapping[str, Callable[[int], Expert]] = MappingProxyType(
-    {"table": lambda seed: TableExpert()}
-)
-
-
-def new_worker(name: str, world: World, seed: int) -> Worker:
-    """Return the worker of this name for one trial."""
-    return Believer(world, seed) if name == BELIEVER else UnseeingWorker(name, world, seed)
+EXPERTS = ("person", "table")
 
 
 def check_people(worker: str, expert: str) -> None:
     """Raise InvalidValue for an unknown worker or expert, naming those that exist."""
-    for kind, name, known in (("worker", worker, WORKERS), ("expert", expert, tuple(EXPERTS))):
-        if name not in known:
-            raise InvalidValue(
-                f"there is no {kind} “{name[:40]}”", next_step=f"Use one of: {', '.join(known)}."
-            )
+    check_worker(worker)
+    if expert not in EXPERTS:
+        raise InvalidValue(
+            f"there is no expert “{expert[:40]}”", next_step=f"Use one of: {', '.join(EXPERTS)}."
+        )
+
+
+def new_expert(name: str, seed: int, habits: Habits | None = None, *, confirms: bool) -> Expert:
+    """Return the expert of this name for one run.
+
+    `confirms`: says of agents that are right as they are that they are, where that is asked for.
+    """
+    if name == "table":
+        return TableExpert()
+    return Person(seed, habits or Habits(), confirms=confirms)
 
 
 def run_learning(
@@ -78,19 +59,25 @@ def run_learning(
     worker: str,
     expert: str,
     tell: Callable[[PolicyUp], None] | None = None,
+    habits: Habits | None = None,
 ) -> PolicyUp:
     """Run trials until all iterations are done; the same arguments give the same bits.
 
     Trial n runs with a seed made of the run's seed and n. `tell` is called once a simulated second.
+    `habits`: of worker and expert, the defaults where there are none.
     Errors: InvalidValue for an unknown worker, expert or classifier, or a trial
     without any label.
     """
     check_people(worker, expert)
+    confirms = settings.label_source == "confirmed"
+    judge = new_expert(expert, stream_seed(settings.seed, "expert"), habits, confirms=confirms)
     up = PolicyUp(settings, layout.spec.robots, len(layout.stations))
-    judge = EXPERTS[expert](stream_seed(settings.seed, "expert"))
     while not up.finished:
         labels = len(up.dataset)
-        _run_trial(up, layout, worker, judge, tell)
+        seed = stream_seed(settings.seed, "trial", up.trial + 1)
+        world = World(layout, seed)
+        walker = new_worker(worker, world, stream_seed(seed, "worker"), habits)
+        _run_trial(up, world, walker, judge, tell)
         if len(up.dataset) == labels:
             raise InvalidValue(
                 f"the expert “{expert}” gave no label in a whole trial",
@@ -102,16 +89,14 @@ def run_learning(
 
 def _run_trial(
     up: PolicyUp,
-    layout: Layout,
-    worker: str,
+    world: World,
+    walker: Worker,
     judge: Expert,
     tell: Callable[[PolicyUp], None] | None,
 ) -> None:
     """Run one trial to its end, or until the run is done."""
-    seed = stream_seed(up.settings.seed, "trial", up.trial + 1)
-    world = World(layout, seed)
-    walker = new_worker(worker, world, stream_seed(seed, "worker"))
-    up.begin_trial(seed)
+    layout = world.layout
+    up.begin_trial(world.seed)
     clock = DisplayClock(up, layout.spec.robots, len(layout.stations))
     judge.act(world, clock.display, up.boxes, up.run_tick(0))
     up.attend(world, clock.display, judge.answer)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import tomllib
 from collections.abc import Mapping
 from importlib import resources
@@ -26,6 +27,23 @@ def parameter_text() -> str:
 def parameters_of(person: str) -> Mapping[str, float]:
     """The values of a person's parameters by name: seconds, metres and degrees as named."""
     return MappingProxyType(read_parameters(parameter_text(), person))
+
+
+@functools.cache
+def limits_of(name: str) -> tuple[float, float]:
+    """The least and the most that a parameter may be, as "worker.notice": 0 and inf if unnamed.
+
+    Errors: InvalidValue for a parameter that does not exist.
+    """
+    person, _, parameter = name.partition(".")
+    found = tomllib.loads(parameter_text()).get(person, {})
+    if not isinstance(found, dict) or parameter not in found:
+        raise InvalidValue(
+            f"there is no parameter “{name[:60]}”",
+            where="replaced",
+            next_step=f"Use a name from {FILE}, such as worker.decide_s.",
+        )
+    return float(found[parameter].get("least", 0.0)), float(found[parameter].get("most", math.inf))
 
 
 def parameter_version() -> int:

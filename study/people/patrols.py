@@ -16,18 +16,18 @@ import numpy.typing as npt
 from study.people.walking import (
     NOWHERE,
     OWN_WAY,
-    WALKER,
     Field,
+    Legs,
     cell_of,
     fill_way,
-    turn_to_aim,
-    walk,
+    move_world,
+    seed_draws,
+    walk_on,
 )
 from study.warehouse.kernels import kernel
 from study.warehouse.planning import human_gap2
 from study.warehouse.routes import SHARED
 from study.warehouse.state import RUNNING, WAITING, Floor, Motion, Record
-from study.warehouse.step import step_world
 from study.warehouse.tasks import next_draw
 
 PATROLS = ("cyclic", "wanderer", "blocker")
@@ -155,20 +155,14 @@ def decide_step(
     """Set the walker's keys and yaw for the coming tick. `ways`: int16[2, C] of its own."""
     trial = motion.trial[0]
     walker = walkers[0]
-    stride = floor.hall[0].stride
-    cell = cell_of(motion.cells, trial.x, trial.y, stride)
+    cell = cell_of(motion.cells, trial.x, trial.y, floor.hall[0].stride)
     if patrol == CYCLIC:
         guide_cyclic(floor, motion, walker, cell)
     elif patrol == WANDERER:
         guide_wanderer(floor, motion, walker, cell, draws)
     else:
         guide_blocker(floor, motion, walker, cell, ways[0], draws)
-    walk(
-        trial, motion.cells, motion.robots, floor.fields, ways[0], ways[1], motion.queue, walker,
-        stride,
-    )  # fmt: skip
-    if walker.keys != 0:
-        turn_to_aim(trial, floor.cosines, walker)
+    walk_on(floor, motion, walkers, ways)
 
 
 @kernel
@@ -181,20 +175,12 @@ def run_patrol(
     draws: npt.NDArray[np.uint64],
     record: npt.NDArray[np.int32],
 ) -> int:
-    """Run the trial to its end with a patrol; return the ticks.
-
-    `record`: int32[most ticks, 2] takes each tick's keys and yaw; int32[0, 2] takes none.
-    """
+    """Run the trial to its end with a patrol; return the ticks. `record`: see `move_world`."""
     frames = np.zeros((1, 2), dtype=np.int32)
     trial = motion.trial[0]
     while trial.status == RUNNING:
         decide_step(floor, motion, patrol, walkers, ways, draws)
-        frames[0, 0] = walkers[0].keys
-        frames[0, 1] = walkers[0].yaw
-        if trial.tick < record.shape[0]:
-            record[trial.tick, 0] = frames[0, 0]
-            record[trial.tick, 1] = frames[0, 1]
-        step_world(floor, motion, frames, 1)
+        move_world(floor, motion, walkers, frames, record)
     return int(trial.tick)
 
 
@@ -205,17 +191,16 @@ class Patrol:
         self.number = PATROLS.index(name)
         self.floor = floor
         self.motion = motion
-        self.walkers = np.zeros(1, dtype=WALKER)
-        self.ways = np.zeros((2, motion.cells.size), dtype=np.int16)
-        self.draws = np.array([(seed * 2 + 1) & (2**64 - 1)], dtype=np.uint64)
+        self.legs = Legs(motion)
+        self.draws = seed_draws(seed)
 
     def next_frame(self) -> tuple[int, int]:
         """Return the keys and yaw with which this worker answers the world's present state."""
-        own = (self.walkers, self.ways, self.draws)
+        own = (self.legs.walkers, self.legs.ways, self.draws)
         decide_step(self.floor, self.motion, self.number, *own)
-        return int(self.walkers["keys"][0]), int(self.walkers["yaw"][0])
+        return self.legs.frame
 
     def run(self, record: npt.NDArray[np.int32]) -> int:
         """Run the trial to its end inside compiled code; return the ticks."""
-        arrays = (self.walkers, self.ways, self.draws, record)
+        arrays = (self.legs.walkers, self.legs.ways, self.draws, record)
         return int(run_patrol(self.floor, self.motion, self.number, *arrays))

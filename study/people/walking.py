@@ -14,7 +14,8 @@ from study.warehouse.halls import CELL_M
 from study.warehouse.kernels import kernel
 from study.warehouse.planning import Records
 from study.warehouse.routes import SHARED, UNREACHED, WALL, fill_marked, neighbour_offset
-from study.warehouse.state import Record
+from study.warehouse.state import Floor, Motion, Record
+from study.warehouse.step import step_world
 
 Field = npt.NDArray[np.int16]
 Floats = npt.NDArray[np.float64]
@@ -180,3 +181,54 @@ def turn_to_aim(trial: Record, cosines: Floats, walker: Record) -> None:
         walker.keys = 0
     else:
         walker.yaw = face(dx, dy, cosines)
+
+
+@kernel
+def walk_on(
+    floor: Floor, motion: Motion, walkers: npt.NDArray[np.void], ways: npt.NDArray[np.int16]
+) -> None:
+    """Set the walker's keys and yaw for this tick on the way to its goal. `ways`: see `Legs`."""
+    trial = motion.trial[0]
+    walker = walkers[0]
+    walk(
+        trial, motion.cells, motion.robots, floor.fields, ways[0], ways[1], motion.queue, walker,
+        floor.hall[0].stride,
+    )  # fmt: skip
+    if walker.keys != 0:
+        turn_to_aim(trial, floor.cosines, walker)
+
+
+@kernel
+def move_world(
+    floor: Floor, motion: Motion, walkers: npt.NDArray[np.void], frames: npt.NDArray[np.int32],
+    record: npt.NDArray[np.int32],
+) -> None:  # fmt: skip
+    """Advance by one tick with the walker's keys and yaw. `frames`: int32[1, 2] of scratch.
+
+    `record`: int32[most ticks, 2] takes each tick's keys and yaw; int32[0, 2] takes none.
+    """
+    tick = motion.trial[0].tick
+    frames[0, 0] = walkers[0].keys
+    frames[0, 1] = walkers[0].yaw
+    if tick < record.shape[0]:
+        record[tick, 0] = frames[0, 0]
+        record[tick, 1] = frames[0, 1]
+    step_world(floor, motion, frames, 1)
+
+
+class Legs:
+    """What any simulated worker walks with. `ways`: int16[2, C], its way and one round robots."""
+
+    def __init__(self, motion: Motion) -> None:
+        self.walkers = np.zeros(1, dtype=WALKER)
+        self.ways = np.zeros((2, motion.cells.size), dtype=np.int16)
+
+    @property
+    def frame(self) -> tuple[int, int]:
+        """Keys and yaw for the coming tick."""
+        return int(self.walkers["keys"][0]), int(self.walkers["yaw"][0])
+
+
+def seed_draws(seed: int) -> npt.NDArray[np.uint64]:
+    """Return a stream of random numbers for compiled code, uint64[1]."""
+    return np.array([(seed * 2 + 1) & (2**64 - 1)], dtype=np.uint64)

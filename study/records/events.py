@@ -17,7 +17,7 @@ from typing import Literal
 from study.errors import JournalError
 
 Scalar = bool | int | float | str
-Source = Literal["world", "display", "room", "client"]
+Source = Literal["world", "display", "room", "client", "expert"]
 
 _TYPES: Mapping[str, tuple[type, ...]] = {
     "bool": (bool,),
@@ -178,8 +178,39 @@ _CLIENT_KINDS = (
     ),
 )
 
+_EXPERT = EventField("expert", "str", "", "name of the expert's account")
+_PAGE = EventField("client", "str", "", "16 hexadecimal digits that an expert's page gave itself")
+_MESSAGE = EventField("seq", "int", "", "number of the page's message, from 1")
+_AGENT = EventField("agent", "int", "", "number of the agent: robots from 0, then stations")
+
+_EXPERT_KINDS = (
+    EventKind("expert_joined", "expert", "an expert's page joined the run", (_EXPERT, _PAGE)),
+    EventKind("expert_left", "expert", "an expert's page is gone", (_EXPERT, _PAGE)),
+    EventKind("lead_changed", "expert", "this page's boxes now count", (_EXPERT, _PAGE)),
+    EventKind(
+        "expert_set",
+        "expert",
+        "an expert set an agent's boxes",
+        (
+            *(_EXPERT, _PAGE, _MESSAGE, _AGENT),
+            EventField(
+                "mask", "int", "", "robots: 1 live location, 2 ghost, 4 trajectory; station: 1"
+            ),
+        ),
+    ),
+    EventKind(
+        "expert_confirmed",
+        "expert",
+        "an expert called an agent's boxes right as they are",
+        (_EXPERT, _PAGE, _MESSAGE, _AGENT),
+    ),
+)
+
 EVENT_KINDS: Mapping[str, EventKind] = MappingProxyType(
-    {kind.name: kind for kind in (*_WORLD_KINDS, *_DISPLAY_KINDS, *_ROOM_KINDS, *_CLIENT_KINDS)}
+    {
+        kind.name: kind
+        for kind in (*_WORLD_KINDS, *_DISPLAY_KINDS, *_ROOM_KINDS, *_CLIENT_KINDS, *_EXPERT_KINDS)
+    }
 )
 
 

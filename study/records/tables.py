@@ -89,7 +89,11 @@ TRIALS = Table(
         Column("scale", "text", "the hall"),
         Column("seed", "integer", "seed of the world"),
         _HASH,
-        Column("policy_sha256", "text", "hash of the policy file that decided, if one did"),
+        Column(
+            "policy_sha256",
+            "text",
+            "hash of the policy that decided, if one did; README.txt tells its origin",
+        ),
         Column("status", "text", "open, completed, timed_out (at its cap) or abandoned"),
         Column("ticks", "integer", "steps of the world of 1/30 s"),
         Column("duration_s", "number", "time until every robot was home", "s"),

@@ -7,10 +7,11 @@ attributes which every build carries, so it works at any frame rate.
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import dataclass
 from itertools import pairwise
 
-from playwright.sync_api import Page
+from playwright.sync_api import Error, Page
 
 from study.warehouse.layout import Layout
 from study.warehouse.world import RobotState
@@ -19,6 +20,7 @@ CELL_M = 0.6
 REACHED_M = 0.3
 ARRIVED_M = 0.1
 ASIDE_M = 1.5
+STANDSTILL_S = 60.0
 KEY_DIRECTIONS = {  # forward and left parts of the motion, relative to the view
     ("w",): (1, 0), ("s",): (-1, 0), ("a",): (0, 1), ("d",): (0, -1),
     ("w", "a"): (1, 1), ("w", "d"): (1, -1), ("s", "a"): (-1, 1), ("s", "d"): (-1, -1),
@@ -41,7 +43,12 @@ class Reading:
 
 def read(page: Page) -> Reading | None:
     """The page's reading, or None where no trial is on screen."""
-    data = page.evaluate("() => ({...document.querySelector('#stage')?.dataset})")
+    try:
+        data = page.evaluate("() => ({...document.querySelector('#stage')?.dataset})")
+    except Error as problem:
+        if "context was destroyed" not in problem.message:
+            raise
+        return None  # the page is just leaving for the next one
     if "tick" not in data or "robots" not in data or not data["robots"]:
         return None
     robots = []
@@ -73,12 +80,17 @@ class Driver:
         """Play until the page leaves the trial; every decision follows from the last reading.
 
         Raises:
-            AssertionError: nothing was delivered for `timeout_s` of the world's time.
+            AssertionError: nothing was delivered for `timeout_s` of the world's time, or that
+                time stood still for a minute.
         """
         last_progress_tick, delivered = 0, 0
+        last_tick, moved_s = -1, time.monotonic()
         while (reading := read(self.page)) is not None and reading.phase != "finished":
             if reading.boxes_delivered > delivered:
                 last_progress_tick, delivered = reading.tick, reading.boxes_delivered
+            if reading.tick != last_tick:
+                last_tick, moved_s = reading.tick, time.monotonic()
+            assert time.monotonic() - moved_s < STANDSTILL_S, f"the world stands still: {reading}"
             self.unloads_seen = max(self.unloads_seen, reading.boxes_delivered)
             assert (reading.tick - last_progress_tick) / 30 < timeout_s, f"no progress: {reading}"
             self.hold(self.keys_for(reading) if reading.phase == "running" else ())

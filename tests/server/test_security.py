@@ -97,6 +97,18 @@ def unsafe_addresses(app: FastAPI) -> list[str]:
     ]
 
 
+def fill(address: str, token: str) -> str:
+    """The address of a route with something in each of its places."""
+    return address.format(
+        study_id="demo",
+        token=token,
+        step="withdraw",
+        run_id="0" * 32,
+        iteration=1,
+        sha256="0" * 64,
+    )
+
+
 def test_no_unsafe_request_from_another_site_is_accepted(app: FastAPI, walker: Any) -> None:
     addresses = unsafe_addresses(app)
     assert len(addresses) >= 5, addresses
@@ -110,7 +122,7 @@ def test_no_unsafe_request_from_another_site_is_accepted(app: FastAPI, walker: A
         {"origin": "http://testserver:8000"},
     )
     for address in addresses:
-        path = address.format(study_id="demo", token=walker.token, step="withdraw")
+        path = fill(address, walker.token)
         for headers in foreign:
             answer = walker.client.post(path, headers=headers)
             assert answer.status_code == 403, (path, headers)

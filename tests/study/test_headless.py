@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from server.backends import Backend
 from server.simulation import SimulationOptions, run_simulation
 from study.errors import InvalidValue, UnknownCondition
 from study.headless import simulate_many, simulate_trial
@@ -86,7 +87,12 @@ def test_simulation_writes_its_tables(tmp_path: Path, monkeypatch: pytest.Monkey
     """Guards the summary's keys and the tables' columns and rows, over two processes."""
     monkeypatch.setenv("VARIL_CACHE_DIR", str(Path(__file__).parents[2] / "var" / "kernels"))
     options = SimulationOptions(
-        out=tmp_path / "out", scale="practice", trials=4, seed=30, workers=2, quiet=True
+        out=tmp_path / "out",
+        scale="practice",
+        trials=4,
+        seed=30,
+        backend=Backend(processes=2),
+        quiet=True,
     )
     summary = run_simulation(options)
     assert list(summary) == SUMMARY

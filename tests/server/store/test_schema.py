@@ -64,14 +64,14 @@ async def test_a_failed_transaction_leaves_nothing(database: Database) -> None:
     async def fail_half_way() -> None:
         async with database.writing() as session:
             await session.execute(
-                text("INSERT INTO policies VALUES ('a', 'b', '2026-01-01 00:00:00')")
+                text("INSERT INTO audit VALUES (1, '2026-01-01 00:00:00', 'ann', 'signed in', '')")
             )
             raise RuntimeError("half way")
 
     with pytest.raises(RuntimeError, match="half way"):
         await fail_half_way()
     async with database.reading() as session:
-        assert (await session.execute(text("SELECT count(*) FROM policies"))).scalar() == 0
+        assert (await session.execute(text("SELECT count(*) FROM audit"))).scalar() == 0
 
 
 async def test_sqlite_is_set_up_for_a_server(tmp_path: Path) -> None:

@@ -2,53 +2,33 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from study.ar.elements import Display
-from study.ar.situation import Situation
-from study.errors import InvalidValue
+from study.errors import InvalidValue, JournalError
 from study.learning.boxes import Checkboxes
 from study.learning.dataset import Dataset
-from study.learning.policy_up import PolicyUp, Tables, initial_tables, train_tables
+from study.learning.policy_up import PolicyUp, Version
 from study.learning.settings import LearningSettings
-from study.warehouse.layout import PRESETS, build_layout
-
-LAYOUT = build_layout(PRESETS["small"])
-ROBOTS, STATIONS = 6, 4
-BLANK = Display.nothing(ROBOTS, STATIONS)
-
-
-def moment(tick: int, state: Sequence[int] = (0,) * ROBOTS) -> Situation:
-    """A world by hand: `state` of each robot; the waiting ones stand at station 1."""
-    return Situation(
-        layout=LAYOUT,
-        tick=tick,
-        human_x_m=6.0,
-        human_y_m=1.0,
-        robot_x_m=np.linspace(1.0, 11.0, ROBOTS),
-        robot_y_m=np.full(ROBOTS, 2.0),
-        robot_state=np.array(state, np.int8),
-        robot_carrying=np.full(ROBOTS, -1, np.int8),
-        robot_station=np.full(ROBOTS, 1, np.int8),
-        robot_remaining=np.full(ROBOTS, 3, np.int64),
-        robot_wait_s=np.zeros(ROBOTS),
-    )
+from study.learning.training import Tables, TrainingOrder, initial_tables, train_tables
+from tests.study.learning.moments import BLANK, ROBOTS, STATIONS, moment
 
 
 def new_run(**settings: object) -> PolicyUp:
     """A run whose training counts only: the policy after j iterations shows j everywhere."""
 
-    def count(dataset: Dataset, latest: Tables, classifier: str) -> Tables:
-        del dataset, classifier
-        return tuple((latest[0][0] - 1) % 8 for _ in latest[0]), latest[1]
-
     up = PolicyUp(LearningSettings(**settings), ROBOTS, STATIONS, count)  # type: ignore[arg-type]
     up.begin_trial(5)
     return up
+
+
+def count(order: TrainingOrder) -> Tables:
+    """The training of `new_run`."""
+    return tuple((order.latest[0][0] - 1) % 8 for _ in order.latest[0]), order.latest[1]
 
 
 def watch(up: PolicyUp, ticks: int, state: Sequence[int] = (0,) * ROBOTS) -> None:
@@ -162,8 +142,94 @@ def test_everything_carries_over_to_the_next_trial() -> None:
     assert (last.trial, last.trial_seed, last.tick, up.units) == (1, 6, 120, 30)
 
 
+def defer(up: PolicyUp) -> PolicyUp:
+    """The same run with training elsewhere."""
+    up.train = None
+    return up
+
+
+def test_an_order_is_frozen_and_the_next_iteration_begins_with_the_old_policy() -> None:
+    """Pair 26 and on are of iteration 1 but still meet version 0; the order holds 25 pairs."""
+    up = defer(new_run())
+    watch(up, 360)
+    assert [pair.iteration for pair in up.dataset] == [0] * 25 + [1] * 5
+    assert {pair.proposal for pair in up.dataset if pair.domain == 0} == {7}
+    (order,) = up.orders
+    assert (order.iteration, sum(int(c.sum()) for c in order.counts)) == (1, 25)
+    assert order.data_sha256 == Dataset(up.dataset.pairs[:25]).sha256()
+    up.install(Version(1, count(order), order.data_sha256))
+    assert up.orders == []
+    up.attend(moment(390), BLANK)
+    assert up.boxes.proposals[:ROBOTS] == [6] * ROBOTS
+
+
+def test_a_deferred_run_is_complete_with_its_last_policy() -> None:
+    up = defer(new_run(iterations=2))
+    watch(up, 1200)
+    assert (up.finished, up.complete, len(up.orders)) == (True, False, 2)
+    for order in tuple(up.orders):
+        up.install(Version(order.iteration, order.latest, order.data_sha256))
+    assert up.complete
+
+
+def test_versions_are_installed_in_order_only() -> None:
+    up = defer(new_run())
+    watch(up, 700)
+    with pytest.raises(JournalError, match="version 2 cannot follow version 0"):
+        up.install(Version(2, up.latest, ""))
+    with pytest.raises(JournalError, match="version 9"):
+        up.install(Version(9, up.latest, ""))
+
+
+def test_no_pairs_while_nobody_records() -> None:
+    up = new_run()
+    up.is_recording = False
+    watch(up, 240)
+    assert len(up.dataset) == 0
+    up.is_recording = True
+    watch(up, 120)
+    assert len(up.dataset) == 10
+
+
+@pytest.mark.parametrize("owed", [0, 1, 2])
+def test_a_run_read_back_goes_on_like_the_one_that_was_written(owed: int) -> None:
+    """With D and versions beside it the state holds everything, trainings that are owed too."""
+    up = defer(new_run(box_mode="independent", beta="exponential(0.9)"))
+    watch(up, 700)
+    up.boxes.set(3, 2, tick=700)
+    for order in tuple(up.orders)[: len(up.orders) - owed]:
+        up.install(Version(order.iteration, count(order), order.data_sha256))
+    up.begin_trial(77)
+    other = PolicyUp(up.settings, ROBOTS, STATIONS, train=None)
+    other.load(json.loads(json.dumps(up.to_json())), Dataset(up.dataset), list(up.versions))
+    for run in (up, other):
+        watch(run, 1200)
+    assert other.dataset.pairs == up.dataset.pairs
+    assert other.boxes.to_json() == up.boxes.to_json()
+    assert other.by_expert.tolist() == up.by_expert.tolist()
+    assert other.to_json() == up.to_json()
+    assert [_plain(order) for order in other.orders] == [_plain(order) for order in up.orders]
+
+
+def _plain(order: TrainingOrder) -> tuple[object, ...]:
+    counts = [part.tolist() for part in order.counts]
+    return order.iteration, counts, order.classifier, order.data_sha256
+
+
+def test_state_of_another_run_is_refused() -> None:
+    up = defer(new_run())
+    watch(up, 360)
+    record = up.to_json()
+    for data, versions in ((Dataset(), up.versions), (up.dataset, up.versions * 2)):
+        with pytest.raises(JournalError, match="do not fit"):
+            PolicyUp(up.settings, ROBOTS, STATIONS, None).load(record, data, versions)
+    with pytest.raises(JournalError, match=r"boxes\.masks"):
+        PolicyUp(up.settings, 3, STATIONS, None).load(record, up.dataset, up.versions)
+
+
 def test_a_kind_without_pairs_keeps_its_table() -> None:
-    assert train_tables(Dataset(), initial_tables(), "svm") == initial_tables()
+    order = TrainingOrder(1, Dataset().counts, initial_tables(), "svm", "")
+    assert train_tables(order) == initial_tables()
 
 
 def test_beta_schedules() -> None:

@@ -4,7 +4,7 @@ import { Controls } from "./controls.js";
 import { FrameAccumulator } from "./input/accumulator.js";
 import { Prediction } from "./input/prediction.js";
 import { TickClock } from "./net/clock.js";
-import { Connection } from "./net/connection.js";
+import { Connection, PARTICIPANT_PROTOCOL } from "./net/connection.js";
 import { encodeAttention, encodeContext, encodeInput, encodeReady, INPUT_FRAMES_MAX } from "./net/messages.js";
 import { SnapshotBuffer } from "./net/snapshots.js";
 import { Stage } from "./scene/stage.js";
@@ -55,7 +55,7 @@ export class Trial {
     this.connection = new Connection(addresses.live, {
       message: (message) => this.#hear(message),
       state: (state) => this.#connectionChanged(state),
-    });
+    }, PARTICIPANT_PROTOCOL);
     this.window.setInterval(() => this.#pump(performance.now()), PUMP_EVERY_MS);
     this.window.requestAnimationFrame((now_ms) => this.#drawFrame(now_ms));
   }

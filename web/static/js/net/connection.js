@@ -4,6 +4,13 @@
 import { decodeBinary, decodeText, encodeHello, encodePing, WireError } from "./messages.js";
 
 /** @typedef {import("./messages.js").TextMessage | import("./messages.js").BinaryMessage} Message */
+/**
+ * What is said on the line besides pings and binary messages.
+ * @template {{ type: string }} Text
+ * @typedef {object} Protocol
+ * @property {() => string} hello the first message up @property {(text: string) => Text} decode
+ * @property {string} greeting type of the message that says that the line is open
+ */
 /** @typedef {"connecting" | "open" | "lost" | "taken-over" | "reload" | "refused" | "finished"} ConnectionState */
 
 const PING_EVERY_MS = 2000;
@@ -33,15 +40,23 @@ export function backoff_ms(tries, chance) {
   return full * (0.6 + 0.4 * chance);
 }
 
-/** Speaks to the server and reports messages and changes of state. */
+/** @type {Protocol<import("./messages.js").TextMessage>} */
+export const PARTICIPANT_PROTOCOL = { hello: encodeHello, decode: decodeText, greeting: "welcome" };
+
+/**
+ * Speaks to the server and reports messages and changes of state.
+ * @template {{ type: string }} Text
+ */
 export class Connection {
   /**
    * @param {string} url ws:// or wss:// address
-   * @param {{ message: (message: Message) => void, state: (state: ConnectionState, reason: string) => void }} handlers
+   * @param {{ message: (message: Text | import("./messages.js").BinaryMessage) => void, state: (state: ConnectionState, reason: string) => void }} handlers
+   * @param {Protocol<Text>} protocol
    */
-  constructor(url, handlers) {
+  constructor(url, handlers, protocol) {
     this.url = url;
     this.handlers = handlers;
+    this.protocol = protocol;
     /** @type {ConnectionState} */
     this.state = "connecting";
     this.tries = 0;
@@ -77,7 +92,7 @@ export class Connection {
     this.socket = socket;
     socket.onopen = () => {
       this.heard_ms = performance.now();
-      socket.send(encodeHello());
+      socket.send(this.protocol.hello());
     };
     socket.onmessage = (event) => {
       if (socket === this.socket) this.#hear(event.data);
@@ -92,14 +107,14 @@ export class Connection {
     this.heard_ms = performance.now();
     let message;
     try {
-      message = typeof data === "string" ? decodeText(data) : decodeBinary(data);
+      message = typeof data === "string" ? this.protocol.decode(data) : decodeBinary(data);
     } catch (error) {
       if (!(error instanceof WireError)) throw error;
       console.error(error.message);
       return;
     }
-    if (message.type === "pong") this.roundTrip_ms = this.heard_ms - message.sent_ms;
-    if (message.type === "welcome") {
+    if (message.type === "pong" && "sent_ms" in message) this.roundTrip_ms = this.heard_ms - Number(message.sent_ms);
+    if (message.type === this.protocol.greeting) {
       this.tries = 0;
       this.#change("open", "");
     }

@@ -9,8 +9,19 @@ import { ROBOT_TOP_M } from "./space.js";
 
 /** @typedef {import("./sprites.js").Sprites} Sprites */
 /** @typedef {import("./space.js").RobotSample} RobotSample */
-/** @typedef {{ x: number, y: number, heading: number, halfView: number, width: number, height: number }} Eye */
+/**
+ * @typedef {object} Eye plan metres, radians, pixels
+ * @property {number} x @property {number} y @property {number} heading @property {number} halfView
+ * @property {number} width @property {number} height
+ * @property {number} steepness 0 looking straight ahead, 1 straight down
+ * @property {number} widening field of view against the participant's, as a ratio of tangents
+ */
 /** @typedef {import("./arrow_layout.js").Disc} Disc */
+
+/** How a robot's number is written: as participants see it, for spectators, and of robots not shown live. */
+export const NORMAL = Object.freeze({ size: 1, alpha: 1 });
+export const OUTSIDE = Object.freeze({ size: 0.85, alpha: 1 });
+export const FAINT = Object.freeze({ size: 0.62, alpha: 0.72 });
 
 const PILL_NEAR_PX = 44;
 const PILL_FAR_PX = 32;
@@ -30,7 +41,7 @@ export class Callouts {
     this.shifts = new Float32Array(robots + 8);
     this.alphas = new Float32Array(robots + 8);
     this.point = new Vector3();
-    /** Labels of this frame; one without a cell only keeps its place free. @type {{ id: number, cell: import("./atlas.js").CellRect | null, label: import("./label_layout.js").Label }[]} */
+    /** Labels of this frame; one without a cell only keeps its place free. @type {{ id: number, cell: import("./atlas.js").CellRect | null, label: import("./label_layout.js").Label, strength: number }[]} */
     this.labels = [];
   }
 
@@ -49,24 +60,25 @@ export class Callouts {
     return away ? null : spot;
   }
 
-  /** @param {import("three").Camera} camera @param {Eye} eye @param {number} robot @param {RobotSample} sample */
-  addRobot(camera, eye, robot, sample) {
+  /** @param {import("three").Camera} camera @param {Eye} eye @param {number} robot @param {RobotSample} sample @param {{ size: number, alpha: number }} style */
+  addRobot(camera, eye, robot, sample, style) {
     const top = ROBOT_TOP_M + (sample.carrying >= 0 ? 0.3 : 0);
     const spot = this.#project(camera, eye, sample.x_m, sample.y_m, top);
     if (!spot) return;
-    const size = PILL_FAR_PX + (PILL_NEAR_PX - PILL_FAR_PX) * Math.max(0, 1 - spot.depth_m / 14);
+    const size = style.size * (PILL_FAR_PX + (PILL_NEAR_PX - PILL_FAR_PX) * Math.max(0, 1 - spot.depth_m / 14));
     const label = { x: spot.x, y: spot.y - size * 0.55, w: size * 0.84, h: size * 0.84, depth_m: spot.depth_m };
-    this.labels.push({ id: robot, cell: pillCell(robot), label });
+    this.labels.push({ id: robot, cell: pillCell(robot), label, strength: style.alpha });
   }
 
   /** @param {import("three").Camera} camera @param {Eye} eye @param {number} station @param {{ x: number, y: number, height_m: number, size: number }} place @param {number} id */
   addBalloon(camera, eye, station, place, id) {
     const spot = this.#project(camera, eye, place.x, place.y, place.height_m - 0.78 * place.size);
     if (!spot) return;
-    const label = { x: spot.x, y: Math.max(LABEL_TOP_PX, spot.y + 18), w: 104, h: 44, depth_m: spot.depth_m - 100 };
-    this.labels.push({ id, cell: balloonLabelCell(station), label });
-    const across = (place.size * eye.height) / spot.depth_m;
-    this.labels.push({ id, cell: null, label: { x: spot.x, y: spot.y - 6 - across * 0.5, w: across, h: across, depth_m: -200 } });
+    const across = (place.size * eye.height) / spot.depth_m / eye.widening;
+    const below = 18 + 0.45 * across * eye.steepness;
+    const label = { x: spot.x, y: Math.max(LABEL_TOP_PX, spot.y + below), w: 104, h: 44, depth_m: spot.depth_m - 100 };
+    this.labels.push({ id, cell: balloonLabelCell(station), label, strength: 1 });
+    this.labels.push({ id, cell: null, strength: 1, label: { x: spot.x, y: spot.y - 6 - across * 0.5, w: across, h: across, depth_m: -200 } });
   }
 
   /** Puts the collected labels on the screen. @param {number} seconds since the last frame */
@@ -75,7 +87,7 @@ export class Callouts {
     const share = Math.min(1, seconds * FOLLOW);
     const order = this.labels.map((_, n) => n).sort((a, b) => (this.labels[b]?.label.depth_m ?? 0) - (this.labels[a]?.label.depth_m ?? 0));
     for (const n of order) {
-      const { id, cell, label } = /** @type {(typeof this.labels)[0]} */ (this.labels[n]);
+      const { id, cell, label, strength } = /** @type {(typeof this.labels)[0]} */ (this.labels[n]);
       if (!cell) continue;
       const placement = placements[n] ?? { dy: 0, alpha: 1 };
       const shift = (this.shifts[id] ?? 0) + (placement.dy - (this.shifts[id] ?? 0)) * share;
@@ -84,7 +96,7 @@ export class Callouts {
       this.alphas[id] = alpha;
       const wide = label.w > label.h * 1.5;
       const size = wide ? { w: 112, h: 56 } : { w: label.w / 0.84, h: label.h / 0.84 };
-      this.sprites.add(cell, label.x, label.y + shift, size.w, size.h, { alpha });
+      this.sprites.add(cell, label.x, label.y + shift, size.w, size.h, { alpha: alpha * strength });
     }
   }
 

@@ -120,10 +120,12 @@ function makeMaterial(document, hall, longest_px) {
   });
 }
 
-/** @param {Document} document @param {HallPlan} hall @param {number} longest_px longest side of a texture @returns {Mesh} */
+/** @param {Document} document @param {HallPlan} hall @param {number} longest_px longest side of a texture @returns {{ floor: Mesh, setHaze: (density: number) => void }} */
 export function makeFloor(document, hall, longest_px) {
   const plane = new PlaneGeometry(hall.hall_width_m, hall.hall_height_m);
   plane.rotateX(-Math.PI / 2);
   plane.translate(hall.hall_width_m / 2, 0, -hall.hall_height_m / 2);
-  return new Mesh(plane, makeMaterial(document, hall, longest_px));
+  const material = makeMaterial(document, hall, longest_px);
+  const { fogDensity } = material.uniforms;
+  return { floor: new Mesh(plane, material), setHaze: (density) => (fogDensity.value = density) };
 }

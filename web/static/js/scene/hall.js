@@ -3,8 +3,9 @@
 import { Mesh, MeshLambertMaterial } from "three";
 import { MeshBuilder } from "./builder.js";
 import { makeFloor } from "./floor.js";
+import { FOG_DENSITY } from "./light.js";
 import { addRacks, makeBoxes } from "./racks.js";
-import { addShell } from "./shell.js";
+import { addCeiling, addShell } from "./shell.js";
 import { addStations } from "./stations.js";
 import { addWallFeatures } from "./wall_features.js";
 
@@ -34,13 +35,28 @@ function makeMaterial(atlas) {
 
 /** @typedef {{ atlas: import("three").Texture, boxFace: import("three").Texture, longest_px: number }} Textures longest_px: the longest side one may have */
 
-/** @param {Document} document @param {HallPlan} hall @param {Textures} textures @returns {import("three").Object3D[]} */
+/**
+ * @typedef {object} StandingHall
+ * @property {import("three").Object3D[]} objects
+ * @property {(outside: boolean) => void} showFrom without ceiling and haze for a view from outside
+ */
+
+/** @param {Document} document @param {HallPlan} hall @param {Textures} textures @returns {StandingHall} */
 export function makeHall(document, hall, { atlas, boxFace, longest_px }) {
   const builder = new MeshBuilder();
   addShell(builder, hall);
   addStations(builder, hall);
   addWallFeatures(builder, hall);
   addRacks(builder, hall);
+  const openIndices = builder.indices.length;
+  addCeiling(builder, hall);
   const steel = new Mesh(builder.build(), makeMaterial(atlas));
-  return [makeFloor(document, hall, longest_px), steel, makeBoxes(hall, boxFace)];
+  const { floor, setHaze } = makeFloor(document, hall, longest_px);
+  return {
+    objects: [floor, steel, makeBoxes(hall, boxFace)],
+    showFrom: (outside) => {
+      steel.geometry.setDrawRange(0, outside ? openIndices : Infinity);
+      setHaze(outside ? 0 : FOG_DENSITY);
+    },
+  };
 }

@@ -1,4 +1,4 @@
-// Walls, columns, ceiling, trusses and light panels of the hall.
+// Walls and columns of the hall, and above them ceiling, trusses and light panels.
 
 import { Color, Vector3 } from "three";
 import { PANEL_HALF_M, PANEL_PITCH_M } from "./light.js";
@@ -70,7 +70,7 @@ function panelPlaces(length, pitch) {
 }
 
 /** @param {MeshBuilder} builder @param {HallPlan} hall */
-function addCeiling(builder, hall) {
+export function addCeiling(builder, hall) {
   const { hall_width_m: w, hall_height_m: h } = hall;
   const y = CEILING_M;
   builder.panel([[0, y, -h], [w, y, -h], [w, y, 0], [0, y, 0]], ROOF, null, { glow: 0.5 });
@@ -95,5 +95,4 @@ export function addShell(builder, hall) {
   addWall(builder, [w, h], [0, h]);
   addWall(builder, [0, h], [0, 0]);
   addColumns(builder, hall);
-  addCeiling(builder, hall);
 }

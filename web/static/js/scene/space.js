@@ -9,6 +9,11 @@
  * @property {StationPlan[]} stations @property {[number, number][]} homes
  * @property {number} eye_height_m
  *
+ * @typedef {object} Sighting where a camera is and what it sees
+ * @property {number} x @property {number} y @property {number} height_m
+ * @property {number} heading @property {number} pitch radians
+ * @property {number} [fov_deg] vertically @property {number} [near_m] @property {number} [far_m]
+ *
  * @typedef {object} RobotSample a robot as it is drawn
  * @property {number} x_m @property {number} y_m @property {number} heading radians
  * @property {number} state @property {number} carrying colour of the box, -1 for none

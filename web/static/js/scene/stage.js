@@ -1,12 +1,15 @@
 // The canvas and its renderer: size, pixel ratio, a lost and restored context, and a picture that
 // becomes coarser by itself where the machine is slow.
 
-import { NeutralToneMapping, PerspectiveCamera, Scene, WebGLRenderer, FogExp2, Color } from "three";
+import { NeutralToneMapping, PerspectiveCamera, Scene, WebGLRenderer, FogExp2, Color, Vector3 } from "three";
 import { FOG_COLOUR, FOG_DENSITY } from "./light.js";
-import { FIELD_OF_VIEW_DEG } from "./space.js";
+import { cameraTurn, FIELD_OF_VIEW_DEG } from "./space.js";
 
 /** @typedef {"auto" | "on" | "off"} Antialias */
 
+/** Nearest and farthest that the participant's view draws. */
+const NEAR_M = 0.1;
+const FAR_M = 140;
 const RATIO_MAX = 2;
 const RATIO_LEAST = 0.6;
 /** A frame slower than this counts as slow; so many slow ones in a row make the picture coarser. */
@@ -56,7 +59,7 @@ export class Stage {
     this.scene = new Scene();
     this.scene.background = new Color(FOG_COLOUR);
     this.scene.fog = new FogExp2(FOG_COLOUR, FOG_DENSITY);
-    this.camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.1, 140);
+    this.camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, NEAR_M, FAR_M);
     this.camera.rotation.order = "YXZ";
     this.ratio = Math.min(RATIO_MAX, window.devicePixelRatio || 1);
     this.ratioCap = this.ratio;
@@ -101,7 +104,34 @@ export class Stage {
 
   /** Half of the horizontal field of view in radians. */
   get halfView() {
-    return Math.atan(Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360) * this.camera.aspect);
+    return Math.atan(Math.tan((this.camera.fov * Math.PI) / 360) * this.camera.aspect);
+  }
+
+  /**
+   * Points the camera. @param {import("./space.js").Sighting} at plan metres and radians
+   * @param {boolean} outside looks in without ceiling: no haze
+   */
+  aim(at, outside) {
+    const { camera } = this;
+    const fog = /** @type {FogExp2} */ (this.scene.fog);
+    fog.density = outside ? 0 : FOG_DENSITY;
+    const [fov, near, far] = [at.fov_deg ?? FIELD_OF_VIEW_DEG, at.near_m ?? NEAR_M, at.far_m ?? FAR_M];
+    if (camera.fov !== fov || camera.near !== near || camera.far !== far) {
+      Object.assign(camera, { fov, near, far });
+      camera.updateProjectionMatrix();
+    }
+    camera.position.set(at.x, at.height_m, -at.y);
+    camera.rotation.set(at.pitch, cameraTurn(at.heading), 0);
+    camera.updateMatrixWorld();
+  }
+
+  /** Where a place is in the picture. @param {number} x @param {number} y @param {number} height_m @returns {{ x: number, y: number } | null} pixels, y down; null behind the camera */
+  project(x, y, height_m) {
+    const { camera, size } = this;
+    const point = new Vector3(x, height_m, -y).applyMatrix4(camera.matrixWorldInverse);
+    if (-point.z < camera.near) return null;
+    point.applyMatrix4(camera.projectionMatrix);
+    return { x: (point.x * 0.5 + 0.5) * size.width, y: (0.5 - point.y * 0.5) * size.height };
   }
 
   /** Watches how long frames take and adapts the pixel ratio. @param {number} frame_ms time since the last frame */

@@ -4,7 +4,7 @@ import { makeAtlas } from "./atlas.js";
 import { Avatars } from "./avatars.js";
 import { Balloons } from "./balloons.js";
 import { Beads } from "./beads.js";
-import { Callouts } from "./callouts.js";
+import { Callouts, FAINT, NORMAL, OUTSIDE } from "./callouts.js";
 import { makeHall } from "./hall.js";
 import { makeLights } from "./light.js";
 import { Minimap } from "./minimap.js";
@@ -12,12 +12,17 @@ import { makeBoxTexture } from "./racks.js";
 import { Ribbons } from "./ribbons.js";
 import { RobotFleet } from "./robots.js";
 import { Routes } from "./routes.js";
-import { cameraTurn } from "./space.js";
+import { FIELD_OF_VIEW_DEG } from "./space.js";
 import { Sprites } from "./sprites.js";
 
 /** @typedef {import("./space.js").HallPlan} HallPlan */
 /** @typedef {import("./space.js").RobotSample} RobotSample */
-/** @typedef {{ x: number, y: number, heading: number, pitch: number }} Viewpoint plan metres and radians */
+/**
+ * @typedef {object} Viewpoint plan metres and radians; without a height the human's eyes
+ * @property {number} x @property {number} y @property {number} heading @property {number} pitch
+ * @property {number} [height_m] @property {number} [fov_deg] @property {number} [near_m] @property {number} [far_m]
+ * @property {boolean} [outside] a spectator's camera: no ceiling, no haze, no arrows at the edge
+ */
 /** @typedef {{ hall: HallPlan, robots: number, widestAt: "goal" | "robot", still: boolean }} ViewOptions still: no decorative motion */
 
 /** Elements of a robot, by bit, and overlays of the whole display, as the server sends them. */
@@ -54,8 +59,12 @@ export class HallView {
     this.minimap = new Minimap(stage.parent, hall, robots, MINIMAP_PX);
     this.drawnVersion = -1;
     this.last_s = 0;
+    this.isOutside = false;
+    /** Whether spectators see every robot's number, not only of those whose live location is shown. */
+    this.numbersAll = false;
+    this.standing = makeHall(document, hall, { atlas, boxFace, longest_px: stage.longestTexture_px });
     stage.scene.add(
-      ...makeLights(), ...makeHall(document, hall, { atlas, boxFace, longest_px: stage.longestTexture_px }), this.fleet.mesh, this.fleet.shadows, ...this.ribbons.meshes,
+      ...makeLights(), ...this.standing.objects, this.fleet.mesh, this.fleet.shadows, ...this.ribbons.meshes,
       this.beads.mesh, this.solid.mesh, this.ghosts.mesh, this.balloons.mesh, this.sprites.mesh,
     );
   }
@@ -82,12 +91,13 @@ export class HallView {
 
   /** Draws one frame. @param {Viewpoint} at @param {RobotSample[]} robots @param {number} now_s */
   draw(at, robots, now_s) {
-    const { camera, size } = this.stage;
+    const { size } = this.stage;
     const seconds = Math.min(0.25, Math.max(0, now_s - this.last_s));
     this.last_s = now_s;
-    camera.position.set(at.x, this.hall.eye_height_m, -at.y);
-    camera.rotation.set(at.pitch, cameraTurn(at.heading), 0);
-    camera.updateMatrixWorld();
+    const outside = at.outside === true;
+    this.stage.aim({ ...at, height_m: at.height_m ?? this.hall.eye_height_m }, outside);
+    if (outside !== this.isOutside) this.standing.showFrom(outside);
+    this.isOutside = outside;
     this.#moveRobots(robots);
     this.#drawElements(robots, now_s);
     this.#writeOver(at, robots, seconds);
@@ -126,17 +136,20 @@ export class HallView {
   /** @param {Viewpoint} at @param {RobotSample[]} robots @param {number} seconds */
   #writeOver(at, robots, seconds) {
     const { camera, size, halfView } = this.stage;
-    const eye = { x: at.x, y: at.y, heading: at.heading, halfView, width: size.width, height: size.height };
+    const widening = Math.tan((camera.fov * Math.PI) / 360) / Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360);
+    const steepness = at.outside ? Math.max(0, -Math.sin(at.pitch)) : 0;
+    const eye = { x: at.x, y: at.y, heading: at.heading, halfView, width: size.width, height: size.height, steepness, widening };
     this.sprites.begin(size.width, size.height);
     this.callouts.begin();
     robots.forEach((sample, robot) => {
-      if (this.#shows(robot, LIVE_LOCATION)) this.callouts.addRobot(camera, eye, robot, sample);
+      const isLive = this.#shows(robot, LIVE_LOCATION);
+      if (isLive || this.numbersAll) this.callouts.addRobot(camera, eye, robot, sample, isLive ? (at.outside ? OUTSIDE : NORMAL) : FAINT);
     });
     this.balloons.places.forEach((place, station) => {
       if (this.balloons.shown[station]) this.callouts.addBalloon(camera, eye, station, place, robots.length + station);
     });
     this.callouts.drawLabels(seconds);
-    if (this.overlays & OFFSCREEN_ARROWS) this.callouts.drawArrows(eye, robots, this.minimap.disc(size.height));
+    if (this.overlays & OFFSCREEN_ARROWS && !at.outside) this.callouts.drawArrows(eye, robots, this.minimap.disc(size.height));
     this.sprites.end();
     this.minimap.draw(eye, robots);
   }

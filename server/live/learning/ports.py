@@ -1,0 +1,125 @@
+"""What live learning runs need from the rest of the server: what is stored of a run, and where.
+
+Whoever stores runs implements `LearningDesk`. What a trial adds to its run travels with the
+trial's own batches (`TrialBatch.learning`), so journal and dataset are stored in one transaction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, Protocol
+
+if TYPE_CHECKING:  # the web process loads the compiled world only after it answers
+    from server.live.ports import OpenTrial, TrialSetup
+    from study.learning.dataset import Pair
+    from study.learning.policy import Policy
+    from study.learning.settings import LearningSettings
+    from study.warehouse.halls import HallSpec
+
+WorkerKind = Literal["person", "simulated"]
+RunStatus = Literal["open", "finished", "stopped"]
+
+
+@dataclass(frozen=True)
+class RunSetup:
+    """What determines a run besides its people. `run_id`: 32 hexadecimal digits."""
+
+    run_id: str
+    settings: LearningSettings
+    scale: str
+    spec: HallSpec
+    worker: WorkerKind
+    created_by: str
+
+
+@dataclass(frozen=True)
+class RunVersion:
+    """The policy after so many iterations; iteration 0 is the initial policy.
+
+    From iteration 1 on `policy.training["data_sha256"]` is the hash of what it was trained on.
+    """
+
+    iteration: int
+    policy: Policy
+
+
+@dataclass(frozen=True)
+class Rating:
+    """What an expert without the lead had set for an agent at a snapshot, beside the lead's mask.
+
+    `number` counts the run's ratings from 0. `agent`: robots first, then stations. `drawn`:
+    elements that could draw anything at that moment.
+    """
+
+    number: int
+    trial: int
+    tick: int
+    expert: str
+    agent: int
+    mask: int
+    lead_mask: int
+    drawn: int
+
+
+@dataclass(frozen=True)
+class LearningRows:
+    """What a trial added to its run since the last commit; rides on `TrialBatch.learning`.
+
+    `pairs`: (number in the run from 0, pair). Like its batch it may arrive twice: pairs are told
+    apart by number, versions by iteration, ratings by number; store each once. `iteration`: how
+    many iterations are closed. `finished`: the last version has come; the run is over.
+    """
+
+    run_id: str
+    pairs: tuple[tuple[int, Pair], ...]
+    versions: tuple[RunVersion, ...]
+    ratings: tuple[Rating, ...]
+    iteration: int
+    finished: bool
+
+
+@dataclass(frozen=True)
+class OpenRun:
+    """A run with all that is stored of it, in the order in which it was met.
+
+    `trials`: how many were begun. `trial`: the last of them with its journal, None before the
+    first; `trial_ended`: it is over and the next is to begin from where it ended. `start`: what
+    `begin_trial` was given for it.
+    """
+
+    setup: RunSetup
+    status: RunStatus
+    versions: tuple[RunVersion, ...]
+    pairs: tuple[Pair, ...]
+    ratings: tuple[Rating, ...]
+    trials: int
+    trial: OpenTrial | None
+    start: Mapping[str, Any] | None
+    trial_ended: bool = False
+
+
+class LearningDesk(Protocol):
+    """Where learning runs come from and where they are kept."""
+
+    async def open_run(self, run_id: str) -> OpenRun:
+        """The run with all that is stored of it. Raises UnknownRun."""
+        ...
+
+    async def find_worker(self, token: str) -> str:
+        """The id of the run whose worker has this token. Raises UnknownToken."""
+        ...
+
+    async def begin_trial(
+        self, run_id: str, number: int, setup: TrialSetup, start: Mapping[str, Any]
+    ) -> None:
+        """Make the row of the run's trial `number` (from 0) with the run's state at its start.
+
+        Called again with the same number after a lost answer, it changes nothing. Raises
+        WrongMoment if the run is over.
+        """
+        ...
+
+    async def end_run(self, run_id: str, status: str) -> None:
+        """Close the run: `finished` or `stopped`. A run that is closed already stays as it is."""
+        ...

@@ -1,0 +1,26 @@
+"""The page of a person who works in a learning run."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+from starlette.responses import Response
+
+from server.deps import ServicesDep
+
+router = APIRouter(include_in_schema=False)
+
+
+@router.get("/w/{token}")
+async def show_work(token: str, services: ServicesDep) -> Response:
+    """The warehouse while the run is open, a word of thanks afterwards; raises UnknownToken."""
+    run = await services.learning.find_worker_run(token)
+    address = f"/w/{token}"
+    if run.status != "open":
+        values = {"brand": "Working with a team of robots", "run": {"short_id": run.short_id}}
+        return services.renderer.page("worker-ended.html", values)
+    values = {
+        "heading": "Working with a team of robots",
+        "address": address,
+        "run": {"short_id": run.short_id, "scale": run.scale},
+    }
+    return services.renderer.page("worker.html", values)

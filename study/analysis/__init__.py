@@ -1,0 +1,1 @@
+"""What numbers become: figures as bytes, tables as rows, intervals from seeded draws."""

@@ -1,0 +1,40 @@
+// The choice of cameras over the picture.
+
+import { build } from "./dom.js";
+
+const NAMES = /** @type {Record<string, string>} */ ({ worker: "Worker's eyes", above: "From above", free: "Free" });
+const HINTS = /** @type {Record<string, string>} */ ({
+  worker: "As the worker sees it",
+  above: "Drag or W A S D to move, wheel or + − to zoom, click an agent to choose its row",
+  free: "Drag to turn, Shift-drag to move, wheel or + − to zoom, W A S D and Q E to fly",
+});
+
+/** Buttons for the cameras. */
+export class CameraBar {
+  /** @param {HTMLElement} parent @param {readonly string[]} modes @param {{ choose: (mode: string) => void, refit: () => void, numbers: () => void }} handlers */
+  constructor(parent, modes, handlers) {
+    const document = parent.ownerDocument;
+    this.buttons = modes.map((mode) => {
+      const button = build(document, "button", { type: "button", "data-mode": mode, title: HINTS[mode] ?? "" }, NAMES[mode] ?? mode);
+      button.addEventListener("click", () => handlers.choose(mode));
+      return button;
+    });
+    const refit = build(document, "button", { type: "button", title: "Show the whole hall again" }, "Whole hall ", build(document, "kbd", {}, "F"));
+    refit.addEventListener("click", handlers.refit);
+    const numbers = build(document, "button", { type: "button", title: "Numbers on all robots, or only where the live location is displayed" }, "Numbers ", build(document, "kbd", {}, "N"));
+    numbers.addEventListener("click", handlers.numbers);
+    this.extras = [refit, numbers];
+    this.hint = build(document, "p", { class: "camera-hint" });
+    parent.append(
+      build(document, "div", { class: "choice", role: "group", "aria-label": "Camera (V changes it)" }, ...this.buttons, build(document, "kbd", { "aria-hidden": "true" }, "V")),
+      ...this.extras, this.hint,
+    );
+  }
+
+  /** @param {string} mode */
+  show(mode) {
+    for (const button of this.buttons) button.setAttribute("aria-pressed", String(button.dataset.mode === mode));
+    for (const extra of this.extras) extra.hidden = mode === "worker";
+    this.hint.textContent = HINTS[mode] ?? "";
+  }
+}
