@@ -20,6 +20,7 @@ from server.cli_bench import bench
 from server.cli_choices import BackendName, Scale, Worker
 from server.cli_learn import learn
 from server.cli_output import AsJson, report
+from server.cli_study import init, validate
 from study.errors import InvalidValue, NotFound, StudyError, UnknownStudy
 
 if TYPE_CHECKING:
@@ -62,13 +63,19 @@ def serve(
     host: Annotated[str | None, typer.Option(help="Default 127.0.0.1 or VARIL_HOST.")] = None,
     port: Annotated[int | None, typer.Option(help="Default 8000 or VARIL_PORT.")] = None,
     database_url: DatabaseUrl = None,
+    study: Annotated[
+        list[Path] | None,
+        typer.Option(help="A study file; may be given several times. Default the demo study."),
+    ] = None,
 ) -> None:
-    """Run the server with the demo study; brings an embedded database up to date first."""
+    """Run the server; brings an embedded database up to date first."""
     from server.serving import serve as run_server
-    from study.config import paper_study
+    from server.study_files import read_study_files
 
-    settings = read_settings(host=host, port=port, database_url=database_url)
-    run_server(settings, (paper_study(),))
+    settings = read_settings(
+        host=host, port=port, database_url=database_url, study_files=study or None
+    )
+    run_server(settings, read_study_files(settings.study_files))
 
 
 @app.command()
@@ -135,6 +142,8 @@ def simulate(
     report(summary, as_json)
 
 
+app.command()(init)
+app.command()(validate)
 app.command()(learn)
 
 

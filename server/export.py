@@ -24,7 +24,7 @@ from study.config import Study
 from study.errors import UnknownStudy
 from study.protocol.device import FIELDS, FIGURES
 from study.protocol.flow import step_kind
-from study.protocol.questionnaires import AgreeItem, ChoiceItem, NumberItem, ScaleItem, answer_label
+from study.protocol.items import answer_label, levels_of, unit_of
 from study.records.codebook import CODEBOOK, ItemEntry, codebook_rows
 from study.records.tables import LEGS, PARTICIPANTS, RESPONSES, ROBOTS, TRIALS, Table, format_row
 
@@ -186,16 +186,16 @@ def study_items(config_hash: str, study: Study) -> Iterator[ItemEntry]:
     for name in FIELDS:
         kind = "number" if name in FIGURES else "flag"
         yield ItemEntry(config_hash, "browser_check", name, kind, "measured by the browser check")
-    for instrument in (study.consent, study.demographics, study.questionnaire, study.comments):
+    for instrument in study.all_instruments:
         for item in instrument.items:
-            levels: tuple[tuple[str, str], ...] = ()
-            if isinstance(item, ScaleItem | ChoiceItem):
-                levels = tuple((option.value, option.label) for option in item.options)
-            elif isinstance(item, AgreeItem):
-                levels = (("yes", "ticked"),)
-            unit = item.unit if isinstance(item, NumberItem) else ""
             yield ItemEntry(
-                config_hash, instrument.name, item.name, item.kind, item.label, levels, unit
+                config_hash,
+                instrument.name,
+                item.name,
+                item.kind,
+                item.label,
+                levels_of(item),
+                unit_of(item),
             )
 
 
@@ -238,15 +238,15 @@ def _complete_row(
         row["condition_order"] = None if order is None else ">".join(study.orders[order])
     if table is RESPONSES:
         kind, position = step_kind(row["step"])
-        instrument = study.instrument(kind)
         order = row["order_index"]
         known = position is not None and order is not None
         row["position"] = position
         row["condition"] = study.orders[order][position - 1] if known and position else None
-        row["instrument"] = instrument.name if instrument else kind.replace("-", "_")
+        row["instrument"] = kind.replace("-", "_")
         row["label"] = row["value"]
-        for item in instrument.items if instrument else ():
+        for instrument, item in study.items_asked(kind):
             if item.name == row["item"]:
+                row["instrument"] = instrument.name
                 row["label"] = answer_label(item, row["value"])
     return row
 

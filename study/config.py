@@ -30,6 +30,7 @@ from study.protocol.displays import ConditionName
 from study.protocol.exclusions import ExclusionRule
 from study.protocol.flow import OPTIONAL, Outcome, Plan
 from study.protocol.halls import Hall
+from study.protocol.items import Item
 from study.protocol.orders import all_orders, latin_square
 from study.protocol.panel import Ending, Panel
 from study.protocol.questionnaires import Instrument, Questionnaire
@@ -185,9 +186,9 @@ class Study(Record):
         one = single.get(step_kind, self.consent if step_kind == "consent" else None)
         return () if one is None else (one,)
 
-    def items_asked(self, step_kind: str) -> int:
-        """How many items a kind of step asks."""
-        return sum(len(one.items) for one in self.instruments(step_kind))
+    def items_asked(self, step_kind: str) -> tuple[tuple[Instrument, Item], ...]:
+        """Every item that a kind of step asks, with its instrument."""
+        return tuple((one, item) for one in self.instruments(step_kind) for item in one.items)
 
     def scale_at(self, position: int) -> str:
         """The hall of the trial at a position (1-based)."""

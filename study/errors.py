@@ -18,7 +18,8 @@
         ├── WrongStep           a form or socket for another step than the current one
         └── NotAllowedLive      a rehearsal aid asked for by a live participant
 
-An error's sentence says what happened, where, and what to do next. This module imports nothing of ours.
+An error's sentence says what happened, where, and what to do next.
+This module imports nothing of ours.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ from server.store.participants import (
     store_progress,
     store_slot,
 )
-from server.store.studies import read_version
+from server.store.studies import list_same_design, read_version
 from server.store.trials import abandon_open
 from study.config import Study
 from study.protocol.flow import IdleTooLong, Progress, Submission, advance
@@ -49,7 +49,7 @@ async def move(
 
 async def end_idle(session: AsyncSession, study: Study, now: datetime) -> int:
     """End participations of which nothing was heard for the study's limit; returns how many."""
-    limit = now - timedelta(seconds=study.abandon_after_s)
+    limit = now - timedelta(seconds=study.limits.idle_after_s)
     idle = await list_idle(session, study.study_id, limit)
     for participant in idle:
         joined = await read_version(session, participant.study_version_id)
@@ -62,7 +62,8 @@ async def _claim(
 ) -> Slot:
     await lock_ledger(session, study.study_id)
     await end_idle(session, study, now)
-    held = await list_held(session, study.study_id, participant.mode)
+    versions = await list_same_design(session, study)
+    held = await list_held(session, study.study_id, participant.mode, versions)
     drawn = await count_claimed(session, study.study_id, participant.mode)
     slot = choose_slot(held, len(study.orders), study.seed, drawn)
     await store_slot(session, participant.id, slot)

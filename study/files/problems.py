@@ -39,7 +39,7 @@ def explain_errors(error: ValidationError, entries: Mapping[str, Any]) -> list[P
 
 
 def find_mixed_instruments(entries: Mapping[str, Any]) -> list[Problem]:
-    """Instruments that take items of the library and bring items as well: which count is unclear."""
+    """Instruments that take items of the library and bring their own: which count is unclear."""
     message = "give either `use` or `items`: the items of the library are taken as they are"
     return [
         Problem((*place, "items"), None, message)
@@ -72,7 +72,7 @@ def _explain(detail: ErrorDetails, entries: Mapping[str, Any]) -> list[Problem]:
     if kind == "refused_below":
         key = (context["key"],) if context["key"] else ()
         return [Problem((*place, *key), value, context["reason"])]
-    if kind == "extra_forbidden":
+    if kind in ("extra_forbidden", "unexpected_keyword_argument"):
         return [Problem(place, value, _explain_stranger(place))]
     if kind in _UNION_TAGS:
         kinds = "use one of: scale, rating, slider, choice, number, text, agree"
@@ -85,7 +85,7 @@ def _sentence(detail: ErrorDetails, place: Place, value: Any) -> str:
     kind = detail["type"]
     if kind == "missing":
         return f"this key is missing; give {allowed}" if allowed else "this key is missing"
-    if kind in ("value_error", "unknown_instrument"):
+    if kind in ("value_error",):
         return detail["msg"].removeprefix("Value error, ")
     if kind == "literal_error" and not allowed:
         return f"this is not known here; use {detail['ctx']['expected']}"

@@ -17,7 +17,6 @@ from study.config import Study
 from study.errors import StudyFileError
 from study.files.demo import demo_entries
 from study.files.problems import explain_errors, find_mixed_instruments
-from study.protocol.consistency import find_problems
 from study.protocol.records import Problem
 
 LONGEST_CHARACTERS = 1_000_000

@@ -99,10 +99,12 @@ def _describe(node: Mapping[str, Any]) -> str:
         return _describe_text(node)
     if kind in ("integer", "number"):
         return _describe_number(node)
-    plain = {"boolean": "true or false", "object": "a table", "null": ""}
+    if kind == "object":
+        needed = ", ".join(f"`{key}`" for key in node.get("required", ()))
+        return f"a table with {needed}" if needed else "a table"
     if kind == "array":
         return _describe_list(node)
-    return plain.get(str(kind), "")
+    return "true or false" if kind == "boolean" else ""
 
 
 def _describe_text(node: Mapping[str, Any]) -> str:
@@ -110,23 +112,28 @@ def _describe_text(node: Mapping[str, Any]) -> str:
         return PATTERNS[node["pattern"]]
     shortest, longest = node.get("minLength", 0), node.get("maxLength")
     if longest is not None:
-        return f"text of {shortest} to {longest} characters" if shortest else (
-            f"text of at most {longest} characters"
+        return (
+            f"text of {shortest} to {longest} characters"
+            if shortest
+            else (f"text of at most {longest} characters")
         )
     return "text"
 
 
 def _describe_number(node: Mapping[str, Any]) -> str:
     what = "a whole number" if node["type"] == "integer" else "a number"
-    low, high = node.get("minimum"), node.get("maximum", node.get("exclusiveMaximum"))
+    low, high = node.get("minimum"), node.get("maximum")
+    if "exclusiveMaximum" in node:
+        high = node["exclusiveMaximum"] - 1
     if low is not None and high is not None:
-        until = "to" if "maximum" in node else "up to, but not"
-        return f"{what} from {low:g} {until} {high:g}" if low < 1e6 > high else (
-            f"{what} from {low:g} {until} {high:.0f}"
-        )
+        return f"{what} from {_plain(low)} to {_plain(high)}"
     if low is not None:
-        return f"{what} of at least {low:g}"
-    return f"{what} of at most {high:g}" if high is not None else what
+        return f"{what} of at least {_plain(low)}"
+    return f"{what} of at most {_plain(high)}" if high is not None else what
+
+
+def _plain(figure: float) -> str:
+    return str(int(figure)) if figure == int(figure) else str(figure)
 
 
 def _describe_list(node: Mapping[str, Any]) -> str:

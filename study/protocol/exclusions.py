@@ -39,6 +39,7 @@ QUALITY_MEASURES: tuple[Measure, ...] = (
     Measure("frame_rate_median_hz", "Hz", "median", "frames drawn a second, median"),
     Measure("frame_rate_p5_hz", "Hz", "lowest", "frame rate that 95 % of the seconds exceeded"),
     Measure("long_frames", "", "sum", "frames that took longer than 50 ms"),
+    Measure("longest_frame_ms", "ms", "highest", "the longest time that one frame took"),
     Measure("hidden_s", "s", "sum", "time in which the page was hidden"),
     Measure("unfocused_s", "s", "sum", "time in which the page did not have the keyboard"),
     Measure("pointer_lock_losses", "", "sum", "how often the pointer was set free"),
@@ -46,6 +47,8 @@ QUALITY_MEASURES: tuple[Measure, ...] = (
     Measure("paused_s", "s", "sum", "how long the world was paused"),
     Measure("idle_s", "s", "sum", "time without any input of 5 s or longer at a stretch"),
     Measure("tick_late_p99_ms", "ms", "highest", "lateness that 99 % of the ticks stayed below"),
+    Measure("tick_late_max_ms", "ms", "highest", "lateness of the latest tick"),
+    Measure("connections", "", "sum", "how often the page connected"),
 )
 TRIAL_MEASURES: tuple[Measure, ...] = (
     Measure("duration_s", "s", "sum", "time until every robot was home"),

@@ -35,9 +35,7 @@ def latin_square(conditions: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
     n orders for an even number of conditions, 2 n (the square and its mirror) for an odd one.
     """
     n = len(conditions)
-    zigzag = [0]
-    for step in range(1, n):
-        zigzag.append((step + 1) // 2 if step % 2 else n - step // 2)
+    zigzag = [(step + 1) // 2 if step % 2 else (n - step // 2) % n for step in range(n)]
     rows = [tuple(conditions[(k + shift) % n] for k in zigzag) for shift in range(n)]
     if n % 2 and n > 1:
         rows += [row[::-1] for row in rows]

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from study.protocol.instruments.library import find_instrument
+from study.protocol.instruments.library import NAMES, find_instrument
 from study.protocol.items import DECLINED_SUFFIX, ChoiceItem, Item, NumberItem, ScaleItem
 from study.protocol.items import Points as Points
 from study.protocol.records import NAME_PATTERN, Problem, Record, find_twins, refuse
@@ -46,6 +46,10 @@ class Instrument(Record):
             return given
         entries = dict(given)
         if entries.get("use") and "items" not in entries:
+            if entries["use"] not in NAMES:
+                names = ", ".join(NAMES)
+                message = f"the library has no such instrument; it has {names}"
+                refuse([Problem(("use",), entries["use"], message)])
             entries = {**find_instrument(entries["use"]), **entries}
         return _freeze(_hand_down_options(entries))
 
