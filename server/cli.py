@@ -20,8 +20,8 @@ from server.cli_bench import bench
 from server.cli_choices import BackendName, Scale, Worker
 from server.cli_learn import learn
 from server.cli_output import AsJson, report
-from server.cli_study import init, validate
-from study.errors import InvalidValue, NotFound, StudyError, UnknownStudy
+from server.cli_study import describe_problems, init, problem_lines, validate
+from study.errors import InvalidValue, NotFound, StudyError, StudyFileError, UnknownStudy
 
 if TYPE_CHECKING:
     from server.settings import Settings
@@ -231,6 +231,9 @@ def explain(error: StudyError) -> str:
 
     if isinstance(error, UnknownStudy):
         return f"there is no study “{error.study_id}” in this database. Check --study."
+    if isinstance(error, StudyFileError):
+        lines = problem_lines(describe_problems(error))
+        return "\n  ".join([f"{error.where}: {error.what}.", *lines])
     if isinstance(error, StorageAway):
         return (
             f"the database does not answer ({error.__cause__ or 'no reason given'}). "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -35,6 +36,10 @@ def validate(
     except StudyFileError as error:
         _report(describe_problems(error), as_json)
         raise typer.Exit(1) from None
+    except OSError as error:
+        message = f"{file} cannot be read ({error.strerror or error})"
+        _report([{"path": "", "value": None, "message": message}], as_json)
+        raise typer.Exit(1) from None
     if as_json:
         _report([], as_json)
         return
@@ -63,9 +68,17 @@ def _report(problems: list[dict[str, Any]], as_json: bool) -> None:
     if as_json:
         typer.echo(json.dumps({"valid": not problems, "errors": problems}, ensure_ascii=False))
         return
+    for line in problem_lines(problems):
+        typer.echo(line, err=True)
+    count = "One mistake" if len(problems) == 1 else f"{len(problems)} mistakes"
+    typer.echo(f"{count}; nothing was changed.", err=True)
+
+
+def problem_lines(problems: Sequence[Mapping[str, Any]]) -> list[str]:
+    """A line for each problem: `practice.tries = 99: not allowed here; give ...`."""
+    lines = []
     for problem in problems:
         shown = json.dumps(problem["value"], ensure_ascii=False)
         value = "" if problem["value"] is None or len(shown) > 60 else f" = {shown}"
-        typer.echo(f"{problem['path'] or 'the file'}{value}: {problem['message']}.", err=True)
-    count = "One mistake" if len(problems) == 1 else f"{len(problems)} mistakes"
-    typer.echo(f"{count}; nothing was changed.", err=True)
+        lines.append(f"{problem['path'] or 'the file'}{value}: {problem['message']}.")
+    return lines

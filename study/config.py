@@ -45,7 +45,9 @@ Seconds = Annotated[float, Field(ge=10.0, le=604_800.0)]
 
 
 def _as_tuple(value: Any) -> Any:
-    return (value,) if isinstance(value, str) else value
+    return (
+        (value,) if isinstance(value, str) else tuple(value) if isinstance(value, list) else value
+    )
 
 
 def _read_thresholds(value: Any, read: ValidatorFunctionWrapHandler) -> Thresholds:

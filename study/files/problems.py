@@ -83,12 +83,12 @@ def _explain(detail: ErrorDetails, entries: Mapping[str, Any]) -> list[Problem]:
 def _sentence(detail: ErrorDetails, place: Place, value: Any) -> str:
     allowed = describe_allowed(place)
     kind = detail["type"]
+    if detail["loc"][-1] == "[key]":
+        return f"there is no such key; known here: {detail['ctx']['expected']}"
     if kind == "missing":
         return f"this key is missing; give {allowed}" if allowed else "this key is missing"
     if kind in ("value_error",):
         return detail["msg"].removeprefix("Value error, ")
-    if kind == "literal_error" and not allowed:
-        return f"this is not known here; use {detail['ctx']['expected']}"
     if kind.endswith(("_type", "_parsing")) or kind in ("int_from_float", "finite_number"):
         return f"{_name_kind(value)} stands here; give {allowed}"
     return f"not allowed here; give {allowed}" if allowed else detail["msg"]

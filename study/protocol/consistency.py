@@ -154,7 +154,7 @@ def _check_redirect(study: Study, place: Place, ending: Any) -> Iterator[Problem
             yield Problem(place, ending.redirect, f"{{{blank}}} is unknown; there are: {known}")
 
 
-@_reads("conditions", "practice", "texts")
+@_reads("conditions", "texts")
 def _check_elements(study: Study) -> Iterator[Problem]:
     names = [element.name for element in study.texts.elements]
     known = {name for shown in SHOWN.values() for name in shown.names}
@@ -173,9 +173,10 @@ def _check_elements(study: Study) -> Iterator[Problem]:
 @_reads("consent", "demographics", "questionnaire", "comments")
 def _check_instruments(study: Study) -> Iterator[Problem]:
     named = list(_places_of_instruments(study))
-    for later, first in find_twins([instrument.name for _, instrument in named]):
-        place, instrument = named[later]
-        message = f"{_show(named[first][0])} has this name already; give it another `name`"
+    asked = [(place, instrument) for place, instrument in named if instrument.items]
+    for later, first in find_twins([instrument.name for _, instrument in asked]):
+        place, instrument = asked[later]
+        message = f"{_show(asked[first][0])} has this name already; give it another `name`"
         yield Problem((*place, "name"), instrument.name, message)
     for place, instrument in named:
         if problem := scoring_problem(instrument):
