@@ -66,6 +66,7 @@ class LearningRuns:
             task.cancel()
         for run in tuple(self.held.values()):
             run.close()
+        await self._trainer.stop()
 
     async def _open(self, run_id: str) -> LearningRun:
         from server.live.learning.opening import first_session, run_again

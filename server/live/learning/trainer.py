@@ -42,6 +42,10 @@ class Trainer(Protocol):
         """The tables for an order; tries until there are any."""
         ...
 
+    async def stop(self) -> None:
+        """No order will come any more."""
+        ...
+
 
 class PoolTrainer:
     """Trains in one process of its own, order by order."""
