@@ -79,7 +79,7 @@ def start_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[
     """Starts servers; all of them end with the session."""
     running: list[subprocess.Popen[str]] = []
 
-    def start(study: str, **settings: str) -> Server:
+    def start(study: str, script: str = "serve_study.py", **settings: str) -> Server:
         folder = tmp_path_factory.mktemp(study)
         port = free_port()
         environment = {
@@ -91,7 +91,7 @@ def start_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[
         }
         log = (folder / "server.log").open("w")
         process = subprocess.Popen(
-            [sys.executable, str(ROOT / "tests/browser/serve_study.py"), study],
+            [sys.executable, str(ROOT / "tests/browser" / script), study],
             env=environment,
             cwd=ROOT,
             text=True,
