@@ -18,6 +18,7 @@ from pydantic import ValidationError
 
 from server.cli_bench import bench
 from server.cli_choices import BackendName, Scale, Worker
+from server.cli_evaluate import evaluate
 from server.cli_learn import learn
 from server.cli_output import AsJson, report
 from study.errors import InvalidValue, NotFound, StudyError, UnknownStudy
@@ -136,6 +137,7 @@ def simulate(
 
 
 app.command()(learn)
+app.command()(evaluate)
 
 
 @app.command()
