@@ -30,6 +30,7 @@ PLACES = {
     "token": "x" * 32,
     "step": "consent",
     "run_id": "0" * 32,
+    "run": "0" * 32,
     "iteration": "0",
     "sha256": "0" * 64,
 }
@@ -121,15 +122,26 @@ def test_experts_pages_hold_nothing_of_participants(
             assert 'href="/admin' not in page
 
 
-def test_sockets_for_experts_refuse_everybody_else(client: TestClient, app: FastAPI) -> None:
-    """Not signed in, or sent from another site: closed before a word is said."""
+def close_code(client: TestClient, path: str, headers: dict[str, str]) -> int:
+    """How an expert's socket ends after its page said hello."""
+    hello = {"type": "hello", "version": 1, "client": "0123456789abcdef", "last_seq": 0}
+    try:
+        with client.websocket_connect(path, headers=headers) as line:
+            line.send_json(hello)
+            while True:
+                line.receive_text()
+    except WebSocketDisconnect as ended:
+        return ended.code
+
+
+def test_sockets_for_experts_refuse_everybody_else(
+    client: TestClient, app: FastAPI, sign_in_as: SignIn
+) -> None:
+    """Who is not signed in, or comes from another site, hears no word of a run."""
     sockets = [r.path for r in routes_of(app) if isinstance(r, WebSocketRoute)]
-    for path in sockets:
-        if path.startswith("/expert"):
-            for headers in ({}, {"origin": "https://evil.example"}):
-                with (
-                    pytest.raises(WebSocketDisconnect) as caught,
-                    client.websocket_connect(fill(path), headers=headers) as line,
-                ):
-                    line.receive_text()
-                assert caught.value.code == 4403
+    experts = [fill(path) for path in sockets if path.startswith("/expert")]
+    assert len(experts) == 1
+    assert close_code(client, experts[0], {}) == 4403
+    sign_in_as("expert")
+    assert close_code(client, experts[0], {"origin": "https://evil.example"}) == 4403
+    assert close_code(client, experts[0], {}) == 4401, "there is no such run"
