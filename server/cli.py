@@ -1,4 +1,4 @@
-"""The `varil` command: serving, migrating, simulating, exporting, measuring, accounts.
+"""The `varil` command: serving, migrating, simulating, exporting, analysing, measuring, accounts.
 
 Errors go to stderr: exit code 2 for a wrong call, 1 for a failure.
 """
@@ -16,8 +16,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from pydantic import ValidationError
 
+from server.cli_analyze import analyze
 from server.cli_bench import bench
-from server.cli_choices import BackendName, Scale, Worker
+from server.cli_choices import BackendName, Mode, Scale, Worker
+from server.cli_evaluate import evaluate
 from server.cli_learn import learn
 from server.cli_output import AsJson, report
 from server.cli_study import describe_problems, init, problem_lines, validate
@@ -48,14 +50,6 @@ class Role(StrEnum):
 
     ADMIN = "admin"
     EXPERT = "expert"
-
-
-class Mode(StrEnum):
-    """Whose data to export."""
-
-    LIVE = "live"
-    PILOT = "pilot"
-    BOT = "bot"
 
 
 @app.command()
@@ -145,6 +139,7 @@ def simulate(
 app.command()(init)
 app.command()(validate)
 app.command()(learn)
+app.command()(evaluate)
 
 
 @app.command()
@@ -162,6 +157,9 @@ def export(
     require_database(settings)
     counts = asyncio.run(write_export(settings, study, mode.value if mode else None, out))
     report({"file": str(out), **counts}, as_json)
+
+
+app.command()(analyze)
 
 
 @user.command("add")

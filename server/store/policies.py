@@ -207,7 +207,7 @@ async def _describe(session: AsyncSession, rows: list[StoredPolicy]) -> list[Pol
     runs = await session.execute(
         select(
             LearningVersion.policy_sha256,
-            func.count(),
+            func.count(LearningVersion.run_id.distinct()),
             func.max(LearningVersion.run_id),
             func.max(LearningVersion.iteration),
         )
