@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from server.export import study_items
-from study.config import paper_study
+from study.files.demo import paper_study
 from study.records.codebook import CODEBOOK, codebook_rows
 from study.records.tables import TABLES
 
@@ -104,7 +104,7 @@ def add_person(
             "trial_id": f"{code}-{position}",
         }
         bundle.tables["trials"].append(blank("trials") | same | place | figures)
-        for place_of_item, item in enumerate(STUDY.questionnaire.items, 1):
+        for place_of_item, item in enumerate(STUDY.questionnaire[0].items, 1):
             wish = WISH[condition] if place_of_item > 2 else 0.0
             value = int(np.clip(round(3.4 + mood + wish + rng.normal(0, 0.8)), 1, 5))
             answer = {"instrument": "questionnaire", "item": item.name, "value": str(value)}
