@@ -50,7 +50,7 @@ fix: test-needs ## Format, and mend what the linter can mend
 
 test: check ## Everything the suite needs, then the whole suite
 	@$(NODE) --test --test-reporter=dot tests/js/*.test.js
-	@.venv/bin/pytest $(PYTEST)
+	@bash tests/run.sh $(PYTEST)
 
 pictures: test-needs ## Draw the pictures of the README and of the explanation pages again
 	@PYTHONPATH=. .venv/bin/python -m tests.browser.make_pictures
