@@ -50,7 +50,7 @@ fix: test-needs ## Format, and mend what the linter can mend
 
 test: check ## Everything the suite needs, then the whole suite
 	@$(NODE) --test --test-reporter=dot tests/js/*.test.js
-	@.venv/bin/pytest $(PYTEST)
+	@bash tests/run.sh $(PYTEST)
 
 schema: install ## Write the JSON Schema of study files into docs/ again
 	@.venv/bin/python -c 'from study.files.schema import schema_text; print(schema_text(), end="")' > docs/study.schema.json
