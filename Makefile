@@ -2,7 +2,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help run install test check fix test-needs pictures clean
+.PHONY: help run install test check fix test-needs schema pictures results clean
 
 PYTHON ?= python3
 UV := .venv/bin/uv
@@ -50,10 +50,16 @@ fix: test-needs ## Format, and mend what the linter can mend
 
 test: check ## Everything the suite needs, then the whole suite
 	@$(NODE) --test --test-reporter=dot tests/js/*.test.js
-	@.venv/bin/pytest $(PYTEST)
+	@bash tests/run.sh $(PYTEST)
+
+schema: install ## Write the JSON Schema of study files into docs/ again
+	@.venv/bin/python -c 'from study.files.schema import schema_text; print(schema_text(), end="")' > docs/study.schema.json
 
 pictures: test-needs ## Draw the pictures of the README and of the explanation pages again
 	@PYTHONPATH=. .venv/bin/python -m tests.browser.make_pictures
+
+results: install ## Learn, simulate and write docs/results.md again (about 15 minutes; SIZE=small to try)
+	@.venv/bin/python -m server.results $(if $(SIZE),--size $(SIZE))
 
 clean: ## Remove what was installed and built, but never data under var/
 	rm -rf .venv node_modules web/static/dist .mypy_cache .ruff_cache

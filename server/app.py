@@ -5,23 +5,28 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Mapping, Sequence
+from typing import Any
 
 from fastapi import FastAPI
 from fastapi.exceptions import RequestValidationError
 from prometheus_client import CollectorRegistry
+from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
-from starlette.requests import Request
+from starlette.requests import HTTPConnection, Request
 from starlette.responses import Response
 from starlette.routing import WebSocketRoute
 
-from server.deps import Services
+from server.deps import Services, find_account, require_expert, require_staff
 from server.figures import ServerFigures
 from server.kernel_cache import kernel_folder
 from server.learning_desk import StoredLearningDesk
 from server.live.compiling import prepare_kernels
 from server.live.endpoint import LiveEndpoint
 from server.live.hall import Hall
+from server.live.learning.endpoint import ExpertEndpoint
+from server.live.learning.runs import LearningRuns
+from server.live.learning.trainer import PoolTrainer
 from server.locations import web_root
 from server.pages import admin, expert, participant, policies, service, staff, worker
 from server.pages.errors import answer_error
@@ -59,7 +64,8 @@ def create_app(settings: Settings, studies: Sequence[Study]) -> FastAPI:
     for pages in (service, participant, staff, admin, policies, expert, worker):
         app.include_router(pages.router)
     app.state.hall = _build_hall(services)
-    app.router.routes.append(_live_route(app.state.hall, settings))
+    app.state.runs = _build_runs(services, app.state.hall)
+    app.router.routes += _live_routes(services, app.state.hall, app.state.runs)
     app.mount("/static", CachedFiles(directory=web_root() / "static", check_dir=False))
 
     async def answer(request: Request, error: Exception, reference: str = "") -> Response:
@@ -78,10 +84,25 @@ def _build_hall(services: Services) -> Hall:
     return hall
 
 
-def _live_route(hall: Hall, settings: Settings) -> WebSocketRoute:
-    origins = tuple(settings.allowed_origins)
-    endpoint = LiveEndpoint(hall, lambda headers: same_origin(headers, origins))
-    return WebSocketRoute("/p/{token}/live", endpoint)
+def _build_runs(services: Services, hall: Hall) -> LearningRuns:
+    return LearningRuns(services.learning, hall, PoolTrainer(), services.settings.time_scale)
+
+
+def _live_routes(services: Services, hall: Hall, runs: LearningRuns) -> list[WebSocketRoute]:
+    origins = tuple(services.settings.allowed_origins)
+
+    def is_ours(headers: Headers) -> bool:
+        return same_origin(headers, origins)
+
+    async def identify(scope: Mapping[str, Any]) -> str:
+        user = await find_account(services, HTTPConnection(dict(scope)).cookies)
+        return (await require_expert(await require_staff(user))).name
+
+    return [
+        WebSocketRoute("/p/{token}/live", LiveEndpoint(hall, is_ours)),
+        WebSocketRoute("/w/{token}/live", LiveEndpoint(runs, is_ours, "/w")),
+        WebSocketRoute("/expert/runs/{run}/live", ExpertEndpoint(runs, is_ours, identify)),
+    ]
 
 
 def _build_services(settings: Settings, studies: Sequence[Study]) -> Services:
@@ -121,6 +142,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
                 sweeper.cancel()
                 await asyncio.gather(sweeper, return_exceptions=True)
                 await hall.stop()
+                await app.state.runs.stop()
     finally:
         await services.database.close()
 

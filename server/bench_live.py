@@ -12,19 +12,18 @@ from __future__ import annotations
 import asyncio
 import multiprocessing
 import os
-import platform
 import socket
 import tempfile
 import time
 from collections.abc import AsyncIterator, Collection, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
 from server.bench_clients import run_clients
+from server.bench_machine import describe_machine
 from server.bench_wire import measure_wire, record_walk
 from server.kernel_cache import kernel_folder
 from server.live.clock import SystemClock
@@ -95,21 +94,7 @@ def bench_live(
         "condition": "varil",
         "levels": [asdict(level) for level in measured],
         "wire": {name: measure_wire(name) for name in ("varil", "arroch", "crmiar", "none")},
-    } | describe_machine()
-
-
-def describe_machine() -> dict[str, Any]:
-    """What figures were measured on and with."""
-    return {
-        "machine": {
-            "processor": platform.processor() or platform.machine(),
-            "cores": os.cpu_count(),
-            "load_1min": round(os.getloadavg()[0], 2),
-            "system": platform.platform(),
-        },
-        "versions": {"python": platform.python_version()}
-        | {name: version(name) for name in LIBRARIES},
-    }
+    } | describe_machine(LIBRARIES)
 
 
 async def _measure(levels: Sequence[int], seconds: float, folder: Path) -> list[Level]:

@@ -1,4 +1,4 @@
-"""The `varil` command: serving, migrating, simulating, exporting, measuring, accounts.
+"""The `varil` command: serving, migrating, simulating, exporting, analysing, measuring, accounts.
 
 Errors go to stderr: exit code 2 for a wrong call, 1 for a failure.
 """
@@ -16,13 +16,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from pydantic import ValidationError
 
+from server.cli_analyze import analyze
 from server.cli_bench import bench
 from server.cli_choices import BackendName, Scale, Worker
 from server.cli_data import erase, export, replay
 from server.cli_doctor import doctor
+from server.cli_evaluate import evaluate
 from server.cli_learn import learn
 from server.cli_output import AsJson, DatabaseUrl, report
-from study.errors import InvalidValue, NotFound, StudyError, UnknownStudy
+from server.cli_study import describe_problems, init, problem_lines, validate
+from study.errors import InvalidValue, NotFound, StudyError, StudyFileError, UnknownStudy
 
 if TYPE_CHECKING:
     from server.settings import Settings
@@ -51,13 +54,19 @@ def serve(
     host: Annotated[str | None, typer.Option(help="Default 127.0.0.1 or VARIL_HOST.")] = None,
     port: Annotated[int | None, typer.Option(help="Default 8000 or VARIL_PORT.")] = None,
     database_url: DatabaseUrl = None,
+    study: Annotated[
+        list[Path] | None,
+        typer.Option(help="A study file; may be given several times. Default the demo study."),
+    ] = None,
 ) -> None:
-    """Run the server with the demo study; brings an embedded database up to date first."""
+    """Run the server; brings an embedded database up to date first."""
     from server.serving import serve as run_server
-    from study.config import paper_study
+    from server.study_files import read_study_files
 
-    settings = read_settings(host=host, port=port, database_url=database_url)
-    run_server(settings, (paper_study(),))
+    settings = read_settings(
+        host=host, port=port, database_url=database_url, study_files=study or None
+    )
+    run_server(settings, read_study_files(settings.study_files))
 
 
 @app.command()
@@ -124,10 +133,7 @@ def simulate(
     report(summary, as_json)
 
 
-app.command()(learn)
-
-
-for verb in (export, replay, erase, doctor):
+for verb in (init, validate, learn, evaluate, export, analyze, replay, erase, doctor):
     app.command()(verb)
 
 
@@ -198,6 +204,9 @@ def explain(error: StudyError) -> str:
 
     if isinstance(error, UnknownStudy):
         return f"there is no study “{error.study_id}” in this database. Check --study."
+    if isinstance(error, StudyFileError):
+        lines = problem_lines(describe_problems(error))
+        return "\n  ".join([f"{error.where}: {error.what}.", *lines])
     if isinstance(error, StorageAway):
         return (
             f"the database does not answer ({error.__cause__ or 'no reason given'}). "

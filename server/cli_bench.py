@@ -62,3 +62,29 @@ def bench_export(
     from server.bench_export import measure_export
 
     report(measure_export(participants), as_json)
+
+
+@bench.command("learn")
+def bench_learn(
+    repeats: Annotated[int, typer.Option(min=1, help="Whole runs of 240 iterations.")] = 5,
+    expert: Annotated[str, typer.Option(help="Who sets the boxes: person or table.")] = "person",
+    as_json: AsJson = False,
+) -> None:
+    """Seconds of a learning run with simulated people, and what training takes of it."""
+    from server.bench_learn import measure_learning
+
+    report(measure_learning(repeats, expert), as_json)
+
+
+@bench.command("headless")
+def bench_headless(
+    repeats: Annotated[int, typer.Option(min=1, help="Measurements of each kind.")] = 5,
+    trials: Annotated[int, typer.Option(min=1, help="Trials of each steps' measurement.")] = 20,
+    table_trials: Annotated[int, typer.Option(min=0, help="Trials per policy; 0: no table.")] = 250,
+    workers: Annotated[int | None, typer.Option(min=1, help="Processes; default all.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Steps a second with the believer and a policy, and the time of 6 x 250 trials."""
+    from server.bench_headless import measure_headless
+
+    report(measure_headless(repeats, trials, table_trials, workers), as_json)

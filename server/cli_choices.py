@@ -1,4 +1,4 @@
-"""The halls and the simulated people as choices on the command line."""
+"""Halls, simulated people and modes as choices on the command line."""
 
 from __future__ import annotations
 
@@ -35,3 +35,11 @@ class BackendName(StrEnum):
 
     LOKY = "loky"
     DASK = "dask"
+
+
+class Mode(StrEnum):
+    """Whose data."""
+
+    LIVE = "live"
+    PILOT = "pilot"
+    BOT = "bot"

@@ -3,21 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from server.cli_choices import Mode
 from server.cli_output import AsJson, DatabaseUrl, report
-
-
-class Mode(StrEnum):
-    """Whose data to export."""
-
-    LIVE = "live"
-    PILOT = "pilot"
-    BOT = "bot"
 
 
 def export(

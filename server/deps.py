@@ -79,7 +79,12 @@ async def read_upload(request: Request) -> Upload:
 
 async def find_staff(request: Request, services: ServicesDep) -> StaffRecord | None:
     """The signed-in account, if any; read anew each time, so a changed account counts at once."""
-    known = services.sign_ins.read(request.cookies.get(COOKIE, ""))
+    return await find_account(services, request.cookies)
+
+
+async def find_account(services: Services, cookies: Mapping[str, str]) -> StaffRecord | None:
+    """The account that these cookies of a page or socket sign in, if any."""
+    known = services.sign_ins.read(cookies.get(COOKIE, ""))
     if known is None:
         return None
     user_id, key = known

@@ -135,10 +135,11 @@ def write_evaluation(found: Evaluation, out: Path) -> None:
     (out / "notes.txt").write_text("\n".join(notes) + "\n", encoding="utf-8")
 
 
-def write_chart(out: Path, name: str, chart: Chart) -> None:
+def write_chart(out: Path, name: str, chart: Chart, *, with_pdf: bool = True) -> None:
     """Write a figure as SVG and PDF, and its numbers as CSV beside."""
     (out / f"{name}.svg").write_bytes(chart.svg)
-    (out / f"{name}.pdf").write_bytes(chart.pdf)
+    if with_pdf:
+        (out / f"{name}.pdf").write_bytes(chart.pdf)
     write_rows(out / f"{name}.csv", chart.header, chart.rows)
 
 

@@ -2,50 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from study.config import Study
 from study.protocol.device import FIELDS, FIGURES
-from study.protocol.exclusions import ExclusionRule
 from study.protocol.flow import step_kind
-from study.protocol.questionnaires import (
+from study.protocol.items import (
     DECLINED,
-    AgreeItem,
-    ChoiceItem,
-    Instrument,
     Item,
     NumberItem,
+    RatingItem,
     ScaleItem,
+    SliderItem,
     answer_label,
+    levels_of,
+    unit_of,
 )
-from study.records.codebook import ItemEntry
+from study.protocol.scoring import score, scores_of
+from study.records.codebook import SCORE, ItemEntry
 
-STEPS_ASKING = ("consent", "demographics", "questionnaire", "comments")
+STEPS_ASKING = ("consent", "demographics", "questionnaire", "final", "comments")
 REPEATED = ("questionnaire",)
 Row = dict[str, Any]
 
 
-def instruments_of(study: Study, kind: str) -> tuple[Instrument, ...]:
-    """What a kind of step asks."""
-    one = study.instrument(kind)
-    return () if one is None else (one,)
-
-
-def rules_of(study: Study) -> tuple[ExclusionRule, ...]:
-    """The exclusion rules that the study declares."""
-    return tuple(getattr(study, "exclusion", ()))
-
-
 def study_items(config_hash: str, study: Study) -> Iterator[ItemEntry]:
-    """Every item that a version of a study asks, in the order of its pages."""
+    """Every item that a version of a study asks, in the order of its pages, and its scores."""
     for name in FIELDS:
         kind = "number" if name in FIGURES else "flag"
         yield ItemEntry(config_hash, "browser_check", name, kind, "measured by the browser check")
     for step in STEPS_ASKING:
-        for instrument in instruments_of(study, step):
+        repeated = step in REPEATED
+        for instrument in study.instruments(step):
             for item in instrument.items:
-                yield _entry(config_hash, instrument.name, item, step in REPEATED)
+                yield _entry(config_hash, instrument.name, item, repeated)
+            for one in scores_of(instrument):
+                meaning = f"{one.meaning}; from {one.lowest:g} to {one.highest:g}"
+                yield ItemEntry(
+                    config_hash, instrument.name, SCORE, SCORE, meaning, repeated=repeated
+                )
 
 
 def all_conditions(versions: Mapping[str, Study]) -> list[str]:
@@ -67,24 +63,35 @@ def complete_answer(row: Row, study: Study) -> None:
     row["position"] = position
     row["condition"] = study.orders[order][position - 1] if known and position else None
     row["instrument"], row["label"] = kind.replace("-", "_"), row["value"]
-    for instrument in instruments_of(study, kind):
-        for item in instrument.items:
-            if item.name == row["item"]:
-                row["instrument"] = instrument.name
-                row["label"] = answer_label(item, row["value"])
-                return
+    for instrument, item in study.items_asked(kind):
+        if item.name == row["item"]:
+            row["instrument"] = instrument.name
+            row["label"] = answer_label(item, row["value"])
+            return
+
+
+def score_answers(study: Study, answers: Iterable[Row]) -> list[Row]:
+    """The scores of one person's completed answers, as rows of the same shape."""
+    given: dict[tuple[str, str | None], dict[str, str]] = {}
+    for row in answers:
+        given.setdefault((row["instrument"], row["condition"]), {})[row["item"]] = row["value"]
+    scored = [one for one in study.all_instruments if scores_of(one)]
+    return [
+        {"instrument": one.name, "item": SCORE, "condition": condition, "value": figure}
+        for one in scored
+        for (name, condition), values in given.items()
+        if name == one.name
+        for figure in score(one, values).values()
+    ]
 
 
 def _entry(config_hash: str, instrument: str, item: Item, repeated: bool) -> ItemEntry:
-    levels: tuple[tuple[str, str], ...] = ()
-    if isinstance(item, ScaleItem | ChoiceItem):
-        levels = tuple((option.value, option.label) for option in item.options)
-    elif isinstance(item, AgreeItem):
-        levels = (("yes", "ticked"),)
-    elif isinstance(item, NumberItem) and item.may_decline:
-        levels = ((DECLINED, answer_label(item, DECLINED)),)
-    whole = isinstance(item, NumberItem | ScaleItem) and all(_is_whole(v) for v, _ in levels)
-    unit = item.unit if isinstance(item, NumberItem) else ""
+    levels = levels_of(item)
+    if isinstance(item, NumberItem) and item.may_decline:
+        levels = (*levels, (DECLINED, answer_label(item, DECLINED)))
+    kinds = NumberItem | ScaleItem | RatingItem | SliderItem
+    whole = isinstance(item, kinds) and all(_is_whole(value) for value, _ in levels)
+    unit = unit_of(item)
     return ItemEntry(
         config_hash, instrument, item.name, item.kind, item.label, levels, unit, repeated, whole
     )

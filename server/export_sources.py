@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from server.export_items import complete_answer, complete_person, rules_of
+from server.export_items import complete_answer, complete_person, score_answers
 from server.store.export_rows import (
     TRIALS_PER_PAGE,
     Pages,
@@ -47,7 +47,7 @@ class Sources:
                 study = self.versions[row["config_hash"]]
                 complete_person(row, study)
                 trials = figures.get(row["participant_code"], [])
-                row["flags"] = "|".join(flag_participant(rules_of(study), trials)) or None
+                row["flags"] = "|".join(flag_participant(study.exclusion, trials)) or None
             yield page
 
     async def trials(self) -> Pages:
@@ -81,11 +81,14 @@ class Sources:
         async for page in self.people():
             trials = _by_person(await trials_of(self.session, page))
             answers = _by_person(await self._answers(page))
-            yield [
-                wide_row(table, row, trials.get(code, ()), answers.get(code, ()))
-                for row in page
-                if row["status"] != "withdrawn" and (code := row["participant_code"])
-            ]
+            rows = []
+            for person in page:
+                code = person["participant_code"]
+                if person["status"] != "withdrawn":
+                    given = answers.get(code, [])
+                    scores = score_answers(self.versions[person["config_hash"]], given)
+                    rows.append(wide_row(table, person, trials.get(code, ()), given + scores))
+            yield rows
 
     async def panel_ids(self) -> Pages:
         """Rows of panel_ids.csv."""
@@ -123,7 +126,7 @@ class Sources:
             if trial["status"] == "open":
                 continue
             row = trial | measured.get(trial["trial_id"], {})
-            rules = rules_of(self.versions[row["config_hash"]])
+            rules = self.versions[row["config_hash"]].exclusion
             row["flags"] = "|".join(flag_trial(rules, row)) or None
             judged.append(row)
         return judged

@@ -26,6 +26,7 @@ from server.tokens import looks_like_token
 from server.trial_desk import Clock, read_setup, utc_now
 from study.errors import NotFound, UnknownToken, WrongMoment
 from study.learning.dataset_rows import DATASET_FIELDS, dataset_row
+from study.learning.policy import initial_policy
 from study.learning.settings import LearningSettings
 from study.warehouse.halls import PRESETS
 
@@ -140,10 +141,15 @@ class StoredLearningDesk:
             return await runs.read_run(session, run_id)
 
     async def read_version(self, run_id: str, iteration: int) -> str:
-        """The file of the policy after so many iterations; raises UnknownRun, `UnknownVersion`."""
+        """The file of the policy after so many iterations; raises UnknownRun, `UnknownVersion`.
+
+        Iteration 0 is the initial policy, also before the run was opened for the first time.
+        """
         async with self.database.reading() as session:
-            await runs.read_run(session, run_id)
+            run = await runs.read_run(session, run_id)
             document = await runs.find_version(session, run_id, iteration)
+        if document is None and iteration == 0:
+            return initial_policy(read_settings(run).thresholds).to_json()
         if document is None:
             raise UnknownVersion(iteration)
         return document

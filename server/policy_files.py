@@ -9,7 +9,7 @@ from study.errors import PolicyError
 from study.learning.policy import Policy, read_policy
 
 MAX_BYTES = 1_000_000
-SHIPPED = "initial.json"
+SHIPPED = "person-1-240.json"
 
 
 def read_policy_file(path: Path) -> Policy:
@@ -46,5 +46,5 @@ def read_policy_upload(data: bytes) -> Policy:
 
 
 def shipped_policy() -> Policy:
-    """The policy that comes with the software."""
+    """The policy that comes with the software, learned from simulated people (docs/learning.md)."""
     return read_policy(resources.files("study.policies").joinpath(SHIPPED).read_bytes())

@@ -78,7 +78,7 @@ def run_simulation(options: SimulationOptions) -> dict[str, Any]:
     batches = list(_watch(options, work, console))
     wall_s = time.perf_counter() - started_s
     finished = sorted((t for batch in batches for t in batch.trials), key=lambda t: t.seed)
-    _write_tables(options, spec, policy.sha256 if policy else "", finished)
+    write_tables(options, spec, policy.sha256 if policy else "", finished)
     if policy is not None:
         (options.out / POLICY_FILE).write_text(policy.to_json(), encoding="utf-8")
     cpu_s = sum(batch.cpu_s for batch in batches)
@@ -197,8 +197,13 @@ def hash_config(spec: HallSpec, habits: Habits) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _write_tables(
-    options: SimulationOptions, spec: HallSpec, policy_sha256: str, finished: list[HeadlessTrial]
+def write_tables(
+    options: SimulationOptions,
+    spec: HallSpec,
+    policy_sha256: str,
+    finished: list[HeadlessTrial],
+    *,
+    with_robots: bool = True,
 ) -> None:
     """Write one row per trial and one per robot, with the columns that an export has."""
     origin = {
@@ -219,7 +224,8 @@ def _write_tables(
         row = origin | {"trial_id": trial_id, "seed": trial.seed}
         trials.append(row | vars(trial.measures))
         robots.extend(row | vars(robot) for robot in trial.measures.robots)
-    for table, rows in ((TRIALS, trials), (ROBOTS, robots)):
+    tables = ((TRIALS, trials), (ROBOTS, robots)) if with_robots else ((TRIALS, trials),)
+    for table, rows in tables:
         with (options.out / table.file).open("w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, table.header, extrasaction="ignore")
             writer.writeheader()

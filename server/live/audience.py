@@ -103,7 +103,9 @@ class Audience:
 
     def _welcome(self, acknowledged_seq: int) -> dict[str, Any]:
         setup, world = self._setup, self._world
+        of_run = {} if setup.number is None else {"trial": setup.number}
         return {
+            **of_run,
             "type": "welcome",
             "version": wire.PROTOCOL_VERSION,
             "trial_id": setup.trial_id,

@@ -40,6 +40,7 @@ def load_kernels(place: Path | None) -> None:
     from study.ar.conditions import Varil
     from study.ar.elements import Display
     from study.learning.policy import initial_policy
+    from study.people.worker import Believer
     from study.warehouse.layout import PRESETS, build_layout
     from study.warehouse.world import World, compile_kernels
 
@@ -48,6 +49,7 @@ def load_kernels(place: Path | None) -> None:
     world = World(layout, seed=1)
     nothing = Display.nothing(layout.spec.robots, len(layout.stations))
     Varil(initial_policy()).decide(world, nothing)
+    Believer(world, seed=1).next_frame(nothing)
     if place is not None:
         (place / COMPLETE).touch()
 

@@ -113,6 +113,16 @@ class Outbox:
         return line if line.is_free else None
 
 
+class SpectatorOutbox(Outbox):
+    """The outbox of somebody who only watches: where a participant goes next is not for them."""
+
+    def __init__(self, send: Send, line: Line | None = None) -> None:
+        super().__init__(send, "", line)
+
+    def send_finished(self) -> None:
+        """Watchers stay where they are; the phase has told them that the trial is over."""
+
+
 def _as_message(frame: str | bytes) -> AsgiMessage:
     kind = "text" if isinstance(frame, str) else "bytes"
     return {"type": "websocket.send", kind: frame}

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import math
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Literal
@@ -38,6 +38,7 @@ PhaseReason = Literal["start", "resume", "disconnected", "completed", "timed_out
 class CloseCode(IntEnum):
     """Why the server closes a socket."""
 
+    NORMAL = 1000
     TOO_LARGE = 1009
     RESTARTING = 1012
     TRY_LATER = 1013
@@ -107,7 +108,7 @@ class Quality:
     def __post_init__(self) -> None:
         for figure in (self.long_frames, self.longest_frame_ms):
             if not 0 <= figure <= HIGHEST_FIGURE:
-                raise WireError(f"figures from 0 to {HIGHEST_FIGURE}", _brief(figure))
+                raise WireError(f"figures from 0 to {HIGHEST_FIGURE}", brief(figure))
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,23 +136,28 @@ _TEXT_TYPES: Mapping[str, tuple[type[TextMessage], Mapping[str, type]]] = {
 
 def parse_text(text: str) -> TextMessage:
     """Read a text message of the client."""
-    if len(text) > MAX_CLIENT_BYTES:
-        raise WireError(
-            f"at most {MAX_CLIENT_BYTES} bytes", f"{len(text)} characters", CloseCode.TOO_LARGE
-        )
+    name, record = read_record(text, MAX_CLIENT_BYTES, _TEXT_TYPES)
+    kind, wanted = _TEXT_TYPES[name]
+    values = {field: read_field(name, record, field, type_) for field, type_ in wanted.items()}
+    return kind(**values)
+
+
+def read_record(text: str, longest: int, types: Collection[str]) -> tuple[str, Mapping[str, Any]]:
+    """The type and the JSON object of a message of at most `longest` characters."""
+    if len(text) > longest:
+        raise WireError(f"at most {longest} bytes", f"{len(text)} characters", CloseCode.TOO_LARGE)
     try:
         record = json.loads(text)
     except (ValueError, RecursionError):
         raise WireError("a JSON object", "a text that is no JSON") from None
     name = record.get("type") if isinstance(record, dict) else None
-    if not isinstance(name, str) or name not in _TEXT_TYPES:
-        raise WireError(f"one of the types {', '.join(_TEXT_TYPES)}", _brief(name))
-    kind, wanted = _TEXT_TYPES[name]
-    values = {field: _read(name, record, field, type_) for field, type_ in wanted.items()}
-    return kind(**values)
+    if not isinstance(name, str) or name not in types:
+        raise WireError(f"one of the types {', '.join(types)}", brief(name))
+    return name, record
 
 
-def _read(name: str, record: Mapping[str, Any], field: str, type_: type) -> Any:
+def read_field(name: str, record: Mapping[str, Any], field: str, type_: type) -> Any:
+    """A field of a message, of just this type; finite numbers only."""
     value = record.get(field)
     if type_ is tuple:
         return _read_figures(name, field, value)
@@ -159,7 +165,7 @@ def _read(name: str, record: Mapping[str, Any], field: str, type_: type) -> Any:
         return float(value)
     if type(value) is type_ and value not in NOT_FINITE and value == value:
         return value
-    raise WireError(f"{name}.{field} as {type_.__name__}", _brief(value))
+    raise WireError(f"{name}.{field} as {type_.__name__}", brief(value))
 
 
 def _read_figures(name: str, field: str, value: object) -> tuple[float, ...]:
@@ -169,11 +175,12 @@ def _read_figures(name: str, field: str, value: object) -> tuple[float, ...]:
         type(figure) in (int, float) and 0 <= figure <= HIGHEST_FIGURE for figure in figures
     ):
         wanted = f"up to {MAX_FIGURES} figures from 0 to {HIGHEST_FIGURE}"
-        raise WireError(f"{name}.{field} as {wanted}", _brief(value))
+        raise WireError(f"{name}.{field} as {wanted}", brief(value))
     return tuple(map(float, figures))
 
 
-def _brief(value: object) -> str:
+def brief(value: object) -> str:
+    """What came, short enough for a sentence."""
     return repr(value)[:60]
 
 

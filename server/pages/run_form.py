@@ -52,8 +52,8 @@ FIELDS = (
         "Worker",
         "Who carries on the work that the expert watches.",
         {
-            "person": "a person, through a link of their own",
-            "simulated": "simulated, walks without a browser",
+            "person": "a person, with a link",
+            "simulated": "simulated",
         },
     ),
     FormField(
@@ -68,10 +68,10 @@ FURTHER_FIELDS = (
     _choice(
         "box_mode",
         "Boxes",
-        "What a box does when the policy's proposal changes.",
+        "What a box does when the policy's proposal changes: take it, or keep the expert's.",
         {
-            "follow": "follow: it takes the new proposal",
-            "independent": "independent: it keeps the expert's last setting",
+            "follow": "follow: takes proposals",
+            "independent": "independent: keeps settings",
         },
     ),
     _choice(
@@ -103,10 +103,10 @@ FURTHER_FIELDS = (
         "Classifier",
         "What is trained after each iteration.",
         {
-            "svm": "svm: one machine for all elements",
-            "per_element": "per_element: one for each element",
-            "majority": "majority: the commonest action of a state",
-            "cost_sensitive": "cost_sensitive: weighted by differing elements",
+            "svm": "svm: all elements at once",
+            "per_element": "per_element: one for each",
+            "majority": "majority: commonest action",
+            "cost_sensitive": "cost_sensitive: by differences",
         },
     ),
 )

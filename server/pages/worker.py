@@ -14,13 +14,9 @@ router = APIRouter(include_in_schema=False)
 async def show_work(token: str, services: ServicesDep) -> Response:
     """The warehouse while the run is open, a word of thanks afterwards; raises UnknownToken."""
     run = await services.learning.find_worker_run(token)
-    address = f"/w/{token}"
-    if run.status != "open":
-        values = {"brand": "Working with a team of robots", "run": {"short_id": run.short_id}}
-        return services.renderer.page("worker-ended.html", values)
     values = {
-        "heading": "Working with a team of robots",
-        "address": address,
+        "address": f"/w/{token}",
         "run": {"short_id": run.short_id, "scale": run.scale},
     }
-    return services.renderer.page("worker.html", values)
+    template = "worker.html" if run.status == "open" else "worker-ended.html"
+    return services.renderer.page(template, values)

@@ -37,10 +37,8 @@ class SchemaMismatch(StudyError):
         super().__init__(what, next_step=advice)
 
 
-async def migrate(database: Database, to: str = "head") -> tuple[str | None, str]:
+async def migrate(database: Database) -> tuple[str | None, str]:
     """Bring the database to the current schema; returns the versions before and after.
-
-    `to` names an older revision, for tests of what an upgrade does to data.
 
     Raises `SchemaMismatch` if the database is newer than this software.
     """
@@ -49,7 +47,7 @@ async def migrate(database: Database, to: str = "head") -> tuple[str | None, str
         return found, wanted
     _refuse_newer(found, wanted)
     async with database.rebuilding() as connection:
-        await connection.run_sync(_upgrade, to)
+        await connection.run_sync(_upgrade)
     return found, wanted
 
 
@@ -81,12 +79,12 @@ def _refuse_newer(found: str | None, wanted: str) -> None:
         raise SchemaMismatch(found, wanted, newer=True)
 
 
-def _upgrade(connection: Connection, to: str) -> None:
+def _upgrade(connection: Connection) -> None:
     from alembic import command
 
     config = _config()
     config.attributes["connection"] = connection
-    command.upgrade(config, to)
+    command.upgrade(config, "head")
 
 
 def _scripts() -> ScriptDirectory:

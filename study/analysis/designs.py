@@ -13,6 +13,7 @@ from itertools import combinations
 import numpy as np
 import numpy.typing as npt
 
+from study.analysis.wording import count
 from study.errors import StudyError
 
 Floats = npt.NDArray[np.float64]
@@ -142,8 +143,3 @@ def require(design: Design, participants: int, conditions: int = 2) -> None:
             f"{count(design.n, 'participant')} with complete data, "
             f"and this needs at least {participants}"
         )
-
-
-def count(number: int, noun: str) -> str:
-    """A number with its noun: `1 participant`, `2 participants`, `no participant`."""
-    return f"{number or 'no'} {noun}{'s' if number > 1 else ''}"

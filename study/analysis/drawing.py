@@ -121,6 +121,7 @@ def finish_chart(
     with mpl.rc_context(dict(_LOOK)):
         figure.suptitle(f"{title} ({mark})" if mark else title)
         svg = _print(figure, "svg", {"Date": None, "Creator": "VARIL", "Title": title})
+        figure.set_layout_engine("none")  # laid out once; both forms have the same places
         pdf = _print(figure, "pdf", {"CreationDate": None, "Creator": "VARIL", "Title": title})
     return Chart(svg, pdf, tuple(header), tuple(rows))
 

@@ -18,7 +18,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import stats
 from statsmodels.regression.mixed_linear_model import MixedLM
-from statsmodels.tools.sm_exceptions import ConvergenceWarning
 
 from study.analysis.descriptives import LEVEL, has_spread
 from study.analysis.designs import Design, Floats, Pairs, Untestable, require
@@ -88,8 +87,8 @@ def fit_log_model(design: Design, *, with_position: bool = True) -> LogModel:
     y = np.log(rows.values)
     within = np.column_stack([rows.participants, *fixed])
     df = len(y) - rank_of(within)
-    least = np.linalg.lstsq(within, y, rcond=None)[0]
-    if df < 1 or not has_spread(y - within @ least, y):
+    rest = y - within @ np.linalg.lstsq(within, y, rcond=None)[0]
+    if df < 1 or not has_spread(rest, y):
         raise Untestable("nothing varies within participants beyond condition and position")
     model = LogModel(
         measure=design.measure,
@@ -106,7 +105,8 @@ def fit_log_model(design: Design, *, with_position: bool = True) -> LogModel:
         residual_sd=0.0,
         with_position=with_position,
     )
-    return _fit_mixed(model, y, exog, rows) or _fit_fixed(model, y, within, rows)
+    unit = float(rest @ rest / df) ** 0.5
+    return _fit_mixed(model, y, exog, rows, unit) or _fit_fixed(model, y, within, rows)
 
 
 def compare_conditions(model: LogModel, pairs: Pairs) -> tuple[Ratio, ...]:
@@ -141,26 +141,31 @@ def _lacks_rank(rows: ModelRows, conditions: Floats, positions: Floats) -> bool:
     return rank_of(np.column_stack([base, positions])) < rank_of(base) + int(positions.shape[1])
 
 
-def _fit_mixed(model: LogModel, y: Floats, exog: Floats, rows: ModelRows) -> LogModel | None:
-    """The mixed fit, or None where the fallback is due."""
+def _fit_mixed(
+    model: LogModel, y: Floats, exog: Floats, rows: ModelRows, unit: float
+) -> LogModel | None:
+    """The mixed fit, or None where the fallback is due.
+
+    `unit` is the spread within participants: the fit runs in it, since the library's optimisers
+    and its own warnings about boundaries depend on the scale.
+    """
     groups = np.argmax(rows.participants, axis=1)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        warnings.simplefilter("error", ConvergenceWarning)
         try:
-            fit = MixedLM(y, exog, groups).fit(reml=True, method=["bfgs", "lbfgs", "cg"])
-        except (ConvergenceWarning, np.linalg.LinAlgError, ValueError, ZeroDivisionError):
+            fit = MixedLM(y / unit, exog, groups).fit(reml=True, method=["bfgs", "powell", "cg"])
+        except (np.linalg.LinAlgError, ValueError, ZeroDivisionError):
             return None
     size = exog.shape[1]
-    between = float(np.asarray(fit.cov_re)[0, 0])
-    within = float(fit.scale)
-    covariance = np.asarray(fit.cov_params(), np.float64)[:size, :size]
+    between = float(np.asarray(fit.cov_re)[0, 0]) * unit**2
+    within = float(fit.scale) * unit**2
+    covariance = np.asarray(fit.cov_params(), np.float64)[:size, :size] * unit**2
     sound = fit.converged and np.isfinite(covariance).all() and within > 0
     if not sound or between <= SMALLEST_SHARE * within:
         return None
     return replace(
         model,
-        coefficients=np.asarray(fit.fe_params, np.float64),
+        coefficients=np.asarray(fit.fe_params, np.float64) * unit,
         covariance=covariance,
         participant_sd=between**0.5,
         residual_sd=within**0.5,

@@ -2,33 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from scipy import optimize, stats
 
 from study.analysis.designs import Untestable
 from study.analysis.noncentral_t import below
+from study.analysis.wording import ALPHA
 
 POWER = 0.8
-ALPHA = 0.05
-
-
-@dataclass(frozen=True)
-class Detectable:
-    """For n participants: dz at alpha, and at alpha / contrasts (Holm's strictest step).
-
-    `difference` and `ratio` translate the second one by the spread of the differences seen.
-    """
-
-    measure: str
-    what: str
-    n: int
-    alpha: float
-    power: float
-    dz: float
-    dz_strictest: float
-    difference: float | None = None
-    ratio: float | None = None
 
 
 def power_of(dz: float, n: int, alpha: float = ALPHA) -> float:

@@ -14,7 +14,8 @@ import numpy as np
 from scipy import stats
 
 from study.analysis.descriptives import LEVEL
-from study.analysis.designs import Floats, Untestable, count
+from study.analysis.designs import Floats, Untestable
+from study.analysis.wording import count
 
 DRAWS = 5000
 EXACT_UP_TO = 400

@@ -48,6 +48,10 @@ class Panel:
         """The number of the last message of this page that was taken, 0 before the first."""
         return self._taken.get(page, 0)
 
+    def taken_by_page(self) -> dict[str, int]:
+        """The same for every page that said anything."""
+        return dict(self._taken)
+
     # ---- what happened ----------------------------------------------------------------------
 
     def add(self, expert: str, page: str) -> None:

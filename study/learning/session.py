@@ -105,13 +105,16 @@ class LearningSession:
     # ---- what experts do: each gives the entries to be recorded, already applied ---------------
 
     def join(self, expert: str, page: str) -> tuple[Entry, ...]:
-        """An expert's page is there; the first of a run leads. Errors: WrongMoment."""
+        """An expert's page is there; the first of a run leads, and who leads and loads the page
+        again leads on. Errors: WrongMoment.
+        """
         if self.panel.is_known_as_another(page, expert):
             raise WrongMoment(
                 "this page belongs to another account", next_step="Load the page again."
             )
         entries = self._record(("expert_joined", _name(expert, page)))
-        return entries if self.panel.lead is not None else entries + self.take_lead(page)
+        leads = self.panel.lead is None or self.panel.lead_name == expert
+        return entries + self.take_lead(page) if leads and not self.panel.is_led else entries
 
     def leave(self, page: str) -> tuple[Entry, ...]:
         """An expert's page is gone; nothing if it was not there."""

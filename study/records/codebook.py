@@ -25,6 +25,10 @@ CODEBOOK = Table(
 )
 
 
+SCORE = "score"
+"""Kind and name of the entry of an instrument's score, which stands in wide.csv alone."""
+
+
 @dataclass(frozen=True)
 class ItemEntry:
     """An item of a study's version as the codebook lists it.
@@ -60,6 +64,8 @@ def codebook_rows(
             name = f"data.{kind.name}.{field.name}"
             yield _row(EVENTS.file, name, field.type, field.unit, field.meaning)
     for entry in items:
+        if entry.kind == SCORE:
+            continue  # listed among the columns of the wide table
         yield {
             "file": "responses.csv",
             "name": f"{entry.instrument}.{entry.item}",

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from study.records.cells import Column, Kind, Table
-from study.records.codebook import ItemEntry
+from study.records.codebook import SCORE, ItemEntry
 from study.records.columns import CODE, ORIGIN
 from study.records.tables import PARTICIPANTS, TRIALS
 
@@ -34,7 +34,7 @@ def wide_table(items: Iterable[ItemEntry], conditions: Sequence[str]) -> Table:
     """The wide table of versions that ask these items and hold these conditions.
 
     `instrument_item` for what is asked once, `instrument_item_condition` for what is asked after
-    each trial, `measure_condition` for what was measured.
+    each trial (the item `score` is the instrument's), `measure_condition` for what was measured.
     """
     entries = list(items)
     columns: dict[str, Column] = {}
@@ -76,7 +76,7 @@ def wide_row(
         name = f"{answer['instrument']}_{answer['item']}"
         if answer["condition"] is not None:
             name = f"{name}_{answer['condition']}"
-        row[name] = answer["value"] or None
+        row[name] = None if answer["value"] == "" else answer["value"]
     return row
 
 
@@ -84,7 +84,7 @@ def _item_column(entry: ItemEntry, condition: str = "") -> Column:
     name, meaning = f"{entry.instrument}_{entry.item}", entry.wording
     if condition:
         name, meaning = f"{name}_{condition}", f"{meaning} (in the condition {condition})"
-    kind: Kind = "integer" if entry.whole else "text"
+    kind: Kind = "number" if entry.kind == SCORE else "integer" if entry.whole else "text"
     return Column(name, kind, meaning, entry.unit)
 
 

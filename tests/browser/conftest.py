@@ -19,6 +19,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page
 
+from browser.expert_page import DRAW_NOTHING, LISTEN, open_calm_run
 from browser.joining import join_and_go_to
 
 ROOT = Path(__file__).parent.parent.parent
@@ -79,7 +80,7 @@ def start_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[
     """Starts servers; all of them end with the session."""
     running: list[subprocess.Popen[str]] = []
 
-    def start(study: str, **settings: str) -> Server:
+    def start(study: str, script: str = "serve_study.py", **settings: str) -> Server:
         folder = tmp_path_factory.mktemp(study)
         port = free_port()
         environment = {
@@ -91,7 +92,7 @@ def start_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[
         }
         log = (folder / "server.log").open("w")
         process = subprocess.Popen(
-            [sys.executable, str(ROOT / "tests/browser/serve_study.py"), study],
+            [sys.executable, str(ROOT / "tests/browser" / script), study],
             env=environment,
             cwd=ROOT,
             text=True,
@@ -133,6 +134,29 @@ def tapped_context(
     fresh.add_init_script(TAP)
     yield fresh
     fresh.close()
+
+
+@pytest.fixture(scope="session")
+def fake(start_server: Callable[..., Server]) -> Server:
+    """A scripted learning run in the hall of the study: 12 robots, 4 stations."""
+    return start_server("study", script="serve_fake_run.py")
+
+
+@pytest.fixture(scope="module")
+def desk_page(browser: Browser) -> Iterator[Page]:
+    """A page of 1280 x 720 whose pictures stay empty, for what is not about the picture."""
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    context.set_default_timeout(60_000)
+    context.add_init_script(LISTEN + DRAW_NOTHING)
+    yield context.new_page()
+    context.close()
+
+
+@pytest.fixture
+def desk(desk_page: Page, fake: Server) -> Page:
+    """The expert's page of the calm scripted run, with every box on and nothing waiting."""
+    open_calm_run(desk_page, fake)
+    return desk_page
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { edgeSpot, makeRoom, spreadBearings } from "../../web/static/js/scene/arrow_layout.js";
 import { balloonHeight_m, balloonSize } from "../../web/static/js/scene/balloons.js";
 import { layOutLabels } from "../../web/static/js/scene/label_layout.js";
-import { inkOn, ROBOT_COLOURS } from "../../web/static/js/scene/palette.js";
+import { inkOn, ROBOT_COLOURS, smallInkOn, STATION_COLOURS } from "../../web/static/js/scene/palette.js";
 import { pathLength, pointAlong, progressAlong, roundPath } from "../../web/static/js/scene/paths.js";
 import { buildBand, laneOffset, ribbonWidth } from "../../web/static/js/scene/ribbon_geometry.js";
 import { Routes } from "../../web/static/js/scene/routes.js";
@@ -155,4 +155,13 @@ test("robot colours stay apart for colour-blind eyes, and their numbers are read
     });
   assert.equal(inkOn("#ffffff"), "#10151c");
   assert.equal(inkOn("#060060"), "#ffffff");
+});
+
+test("small type on every robot's and station's colour has a contrast of at least 4.5", () => {
+  const light = (/** @type {string} */ hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16) / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
+  const luminance = (/** @type {string} */ hex) => light(hex).reduce((sum, v, n) => sum + v * ([0.2126, 0.7152, 0.0722][n] ?? 0), 0) + 0.05;
+  for (const colour of [...ROBOT_COLOURS, ...STATION_COLOURS]) {
+    const [a, b] = [luminance(colour), luminance(smallInkOn(colour))].sort((x, y) => y - x);
+    assert.ok((a ?? 0) / (b ?? 1) >= 4.5, `${colour}: ${((a ?? 0) / (b ?? 1)).toFixed(2)}`);
+  }
 });

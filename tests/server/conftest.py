@@ -13,6 +13,8 @@ from fastapi import FastAPI
 from starlette.testclient import TestClient
 
 from server.live.ports import TrialResult
+from server.signin import COOKIE
+from server.store.users import find_user, list_audit, store_user
 from study.warehouse.measures import Leg, RobotMeasures, TrialMeasures
 
 Status = Literal["completed", "timed_out", "abandoned"]
@@ -123,3 +125,39 @@ def join(client: TestClient, app: FastAPI, make_result: MakeResult) -> Callable[
 def walker(join: Callable[[], Walker]) -> Walker:
     """A participant who has just joined."""
     return join()
+
+
+@pytest.fixture
+def sign_in_as(client: TestClient, app: FastAPI) -> Callable[[str], TestClient]:
+    """Signs a new account of the given role in, named after it; no password is hashed."""
+
+    def signed_in(role: Any) -> TestClient:
+        services = app.state.services
+
+        async def store() -> str:
+            async with services.database.writing() as session:
+                await store_user(session, f"the-{role}", role, "unusable", datetime.now(UTC))
+                user = await find_user(session, f"the-{role}")
+            assert user is not None
+            return str(services.sign_ins.sign(user))
+
+        assert client.portal is not None
+        client.cookies.set(COOKIE, client.portal.call(store))
+        return client
+
+    return signed_in
+
+
+@pytest.fixture
+def audit(client: TestClient, app: FastAPI) -> Callable[[], list[tuple[str, str, str]]]:
+    """What was written down of staff, oldest first: (who, what, detail)."""
+
+    async def read() -> list[tuple[str, str, str]]:
+        async with app.state.services.database.reading() as session:
+            return [entry[1:] for entry in reversed(await list_audit(session, 100))]
+
+    def listed() -> list[tuple[str, str, str]]:
+        assert client.portal is not None
+        return client.portal.call(read)
+
+    return listed

@@ -20,8 +20,8 @@ from server.store.schema import migrate
 from study.ar.elements import Display
 from study.ar.shares import DisplayShares
 from study.ar.thresholds import Thresholds
-from study.config import paper_study
 from study.errors import PolicyError
+from study.files.demo import paper_study
 from study.learning.policy import initial_policy
 
 from .export_site import MakeResult, Site

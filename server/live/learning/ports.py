@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
+from study.errors import StudyError, WrongStep
+
 if TYPE_CHECKING:  # the web process loads the compiled world only after it answers
     from server.live.ports import OpenTrial, TrialSetup
     from study.learning.dataset import Pair
@@ -19,6 +21,17 @@ if TYPE_CHECKING:  # the web process loads the compiled world only after it answ
 
 WorkerKind = Literal["person", "simulated"]
 RunStatus = Literal["open", "finished", "stopped"]
+
+
+class RunEnded(WrongStep):
+    """A socket came to a learning run that is over."""
+
+    def __init__(self) -> None:
+        StudyError.__init__(
+            self,
+            "this learning run has ended",
+            next_step="Load the page again to see what came of it.",
+        )
 
 
 @dataclass(frozen=True)

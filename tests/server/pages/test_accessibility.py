@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -14,6 +14,7 @@ from playwright.sync_api import Page, Route, sync_playwright
 from starlette.testclient import TestClient
 
 from server.accounts import add_user
+from tests.server.bad_policies import make_policy
 
 PASSWORD = "a long enough password"
 pytestmark = pytest.mark.browser
@@ -76,6 +77,47 @@ def test_staff_pages_are_accessible(
     chromium_page.goto(f"http://testserver/{role}")
     chromium_page.wait_for_selector("form[action='/logout']")
     assert problems_of(chromium_page) == []
+
+
+def test_pages_about_runs_and_policies_are_accessible(
+    chromium_page: Page, client: TestClient, sign_in_as: Callable[[str], TestClient]
+) -> None:
+    """Empty, refused, filled, compared; and what a worker sees after the end."""
+    sign_in_as("admin")
+    site, found = "http://testserver", {}
+
+    def look(name: str, address: str = "") -> None:
+        if address:
+            chromium_page.goto(f"{site}{address}")
+        found[name] = problems_of(chromium_page)
+
+    look("no runs", "/expert")
+    chromium_page.fill("#iterations", "0")
+    chromium_page.click("main button[type=submit]")
+    chromium_page.wait_for_selector("#summary:focus")
+    look("run refused")
+    chromium_page.fill("#iterations", "3")
+    chromium_page.click("main button[type=submit]")
+    chromium_page.wait_for_selector("body.run")
+    run = client.get("/expert").text.split('href="/expert/runs/')[1][:32]
+    look("runs", "/expert")
+    look("no policies of a run", f"/admin/policies?run={run}")
+    look("policies", "/admin/policies")
+    bad = {"name": "x.json", "mimeType": "application/json", "buffer": b"7"}
+    chromium_page.set_input_files("#file", bad)  # type: ignore[arg-type]
+    chromium_page.click("main button[type=submit]")
+    chromium_page.wait_for_selector("#summary:focus")
+    look("upload refused")
+    one, other = (make_policy(name, "simulated", n) for n, name in enumerate(("one", "other")))
+    for policy in (one, other):
+        files = {"file": ("p.json", policy.to_json().encode(), "application/json")}
+        client.post("/admin/policies", files=files)
+    look("compared", f"/admin/policies/{one.sha256}?compare={other.sha256}")
+    look("filled", "/admin/policies")
+    made = client.post(f"/expert/runs/{run}/worker-link", follow_redirects=True).text
+    client.post(f"/expert/runs/{run}/stop")
+    look("ended", "/w/" + made.split("/w/")[1][:32])
+    assert {name: what for name, what in found.items() if what} == {}
 
 
 def test_every_form_page_is_accessible(chromium_page: Page, walker: Any) -> None:

@@ -10,7 +10,7 @@ from datetime import UTC, datetime, timedelta
 from typing import Any
 
 import pytest
-from sqlalchemy import func, select, text, update
+from sqlalchemy import func, select
 
 from server.export import ExportOptions, stream_export
 from server.life_desk import AlreadyErased, LifeDesk
@@ -20,7 +20,6 @@ from server.store.claims import list_held
 from server.store.engine import Database
 from server.store.lives import PARTS_OF_A_TRIAL
 from server.store.participants import UnknownParticipant
-from server.store.schema import migrate
 from server.store.tables import (
     Claim,
     PanelId,
@@ -138,7 +137,7 @@ async def test_excluding_gives_the_place_back_and_reinstating_takes_it_again(sit
 
     async def held() -> list[Any]:
         async with site.database.reading() as session:
-            return await list_held(session, "demo", "pilot")
+            return await list_held(session, "demo", "pilot", [1])
 
     for _ in range(2):
         await site.staff.exclude(code, "a test", "maria")
@@ -202,53 +201,3 @@ async def test_a_trial_whose_data_are_erased_while_it_runs_ends_quietly(site: Si
     assert await site.desk.commit([batch(trial_id)]) == {trial_id}
     await site.desk.finish(trial_id, site.make_result())
     assert await site.count(Trial) == 0
-
-
-async def test_data_of_the_first_schema_become_lives(empty_url: str) -> None:
-    """Outcomes of the first version are kept as statuses, with entries of their own."""
-    database = Database(empty_url)
-    await migrate(database, "0001")
-    row = (
-        "INSERT INTO participants (id, code, token_hash, study_version_id, study_id, mode, is_bot,"
-        " step, practice_tries, outcome, joined_at, seen_at) VALUES ({0}, 'P-{0}', 't{0}', 1, 'd',"
-        " 'pilot', false, '{1}', 0, {2}, '2026-01-01 00:00:00', '2026-01-01 01:00:00')"
-    )
-    async with database.writing() as session:
-        await session.execute(
-            text("INSERT INTO study_versions VALUES (1, 'd', 'h', '{}', '2026-01-01 00:00:00')")
-        )
-        for number, (step, outcome) in enumerate(
-            [("consent", "NULL"), ("practice", "NULL"), ("debrief", "'completed'")], 1
-        ):
-            await session.execute(text(row.format(number, step, outcome)))
-        for kind in ("claimed", "completed"):
-            await session.execute(
-                text(
-                    "INSERT INTO claims (study_id, mode, participant_id, block, order_index, kind,"
-                    f" reason, at) VALUES ('d', 'pilot', 3, 0, 0, '{kind}', '', '2026-01-01')"
-                )
-            )
-    await migrate(database)
-    async with database.writing() as session:
-        await session.execute(update(Participant).values(seen_at=datetime.now(UTC)))
-        found = list(await session.scalars(select(Participant.status).order_by(Participant.id)))
-        changes = await session.execute(
-            select(ParticipantChange.participant_id, ParticipantChange.to_status).order_by(
-                ParticipantChange.id
-            )
-        )
-        assert sorted((row[0], row[1]) for row in changes) == [
-            (1, "joined"),
-            (2, "active"),
-            (2, "joined"),
-            (3, "completed"),
-            (3, "joined"),
-        ]
-    assert found == ["joined", "active", "completed"]
-    assert await _count_claims(database) == 2
-    await database.close()
-
-
-async def _count_claims(database: Database) -> int:
-    async with database.reading() as session:
-        return await session.scalar(select(func.count()).select_from(Claim)) or 0

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.policy_files import read_policy_file, shipped_policy
+from server.policy_files import SHIPPED, read_policy_file, shipped_policy
 from study.ar.state_names import ROBOT_STATES
 from study.ar.thresholds import Thresholds
 from study.errors import PolicyError
@@ -37,11 +38,21 @@ def test_reading_gives_back_what_was_written(
     assert again.to_json() == text
 
 
-def test_the_shipped_file_is_the_initial_policy() -> None:
-    """The real path: file -> tables, everything on."""
-    assert shipped_policy() == initial_policy()
-    assert set(shipped_policy().robot_table) == {7}
-    assert set(shipped_policy().station_table) == {1}
+def test_every_policy_file_of_the_software_is_sound() -> None:
+    """Whichever of them ships: it can be read strictly and fits the usual borders."""
+    files = sorted(Path(str(resources.files("study.policies"))).glob("*.json"))
+    assert SHIPPED in [file.name for file in files]
+    for file in files:
+        read_policy_file(file).require_thresholds(Thresholds())
+    assert shipped_policy() == read_policy_file(Path(files[0]).with_name(SHIPPED))
+
+
+def test_the_initial_file_switches_everything_on() -> None:
+    """The real path: file -> tables, the paper's initial policy."""
+    file = Path(str(resources.files("study.policies"))) / "initial.json"
+    assert read_policy_file(file) == initial_policy()
+    assert set(initial_policy().robot_table) == {7}
+    assert set(initial_policy().station_table) == {1}
 
 
 def test_the_hash_covers_every_part() -> None:
@@ -122,9 +133,44 @@ def half_training(record: Record) -> None:
     record["training"] = {"seed": 1}
 
 
+def true_version(record: Record) -> None:
+    record["schema_version"] = True
+
+
+def endless_name(record: Record) -> None:
+    record["name"] = "x" * 121
+
+
+def torn_name(record: Record) -> None:
+    record["name"] = "half \ud800"
+
+
+def no_digest(record: Record) -> None:
+    record["training"] = TRAINING | {"data_sha256": "../../etc/passwd"}
+
+
+def seed_as_text(record: Record) -> None:
+    record["training"] = TRAINING | {"seed": "7"}
+
+
+def score_as_text(record: Record) -> None:
+    record["training"] = TRAINING | {"scores": {"off_rate": "good"}}
+
+
+def torn_settings(record: Record) -> None:
+    record["training"] = TRAINING | {"settings": {"expert": "\ud800"}}
+
+
 @pytest.mark.parametrize(
     ("damage", "sentence"),
     [
+        (true_version, r"version True, wanted"),
+        (endless_name, r"name: 'x+\.\.\. cannot be a policy's name"),
+        (torn_name, r"name: 'half .* cannot be"),
+        (no_digest, r"training, data_sha256: '../../etc/passwd' is no SHA-256"),
+        (seed_as_text, r"training, seed: '7' is no seed"),
+        (score_as_text, r"training, scores: 'good' is not allowed for “off_rate”"),
+        (torn_settings, r"training: it holds something that no file can hold"),
         (drop_state, r"robot_table: “close/dropping/few/short/few/many” is missing"),
         (drop_station_state, r"station_table: “far/long/many” is missing"),
         (add_state, r"“near/dropping/few/short/few/many” is not known"),

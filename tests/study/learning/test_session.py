@@ -67,6 +67,17 @@ def test_the_lead_is_taken_only_when_nobody_connected_has_it() -> None:
         session.hand_over(BEN, CLEO)
 
 
+def test_who_leads_and_loads_the_page_again_leads_on() -> None:
+    """The new page has another number; somebody else's page does not get the lead by coming."""
+    session = fresh()
+    session.join("anna", ANNA)
+    session.edit(ANNA, 1, [(0, 0, 7)])
+    session.leave(ANNA)
+    assert kinds(session.join("ben", BEN)) == ["expert_joined"]
+    assert kinds(session.join("anna", CLEO)) == ["expert_joined", "lead_changed"]
+    assert session.boxes_of(CLEO).masks[0] == 0
+
+
 def test_who_hands_over_goes_on_with_a_copy_of_the_boxes() -> None:
     """The run's boxes stay as they are; what the former lead sets then no longer counts."""
     session = fresh(box_mode="independent")

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study.records.codebook import CODEBOOK, ItemEntry, codebook_rows
+from study.records.events import EVENT_KINDS
 from study.records.tables import (
     ROBOTS,
     TABLES,
@@ -75,6 +76,8 @@ def test_a_missing_column_is_noticed() -> None:
 def test_the_codebook_lists_every_column_and_item() -> None:
     item = ItemEntry("h", "questionnaire", "Q1", "scale", "Easy?", (("1", "no"), ("2", "yes")))
     rows = list(codebook_rows([item]))
-    assert len(rows) == sum(len(table.columns) for table in TABLES.values()) + 1
+    columns = sum(len(table.columns) for table in TABLES.values())
+    events = sum(1 + len(kind.fields) for kind in EVENT_KINDS.values())
+    assert len(rows) == columns + events + 1
     assert rows[-1]["levels"] == "1=no|2=yes"
     assert all(set(row) == set(CODEBOOK.header) for row in rows)

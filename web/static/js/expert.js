@@ -1,15 +1,21 @@
 // Entry of the expert's page of a learning run.
 
-import { ExpertRun } from "./expert_run.js";
+import { showEndedRun } from "./ended_run.js";
 import { listenToKeys, offerCopies } from "./expert_keys.js";
+import { ExpertRun } from "./expert_run.js";
+import { makeClient } from "./net/expert_messages.js";
 import { NoWebGlError } from "./scene/stage.js";
 import { Notices } from "./ui/notices.js";
 
 function start() {
   offerCopies(document);
-  const { live = "", antialias = "auto" } = document.body.dataset;
+  const { live = "", antialias = "auto", status } = document.body.dataset;
   const address = new URL(live, location.href);
   address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
+  if (status !== "open") {
+    showEndedRun(document, address.href, makeClient());
+    return;
+  }
   const page = new URL(live, location.href).pathname.replace(/\/live$/, "");
   try {
     const run = new ExpertRun(document, { live: address.href, page, antialias: antialias === "on" || antialias === "off" ? antialias : "auto" });

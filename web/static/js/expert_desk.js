@@ -3,7 +3,7 @@
 import { Board, COLUMNS } from "./expert/board.js";
 import { Edits } from "./expert/edits.js";
 import { HotkeyReader } from "./input/hotkeys.js";
-import { inkOn, robotColour, STATION_COLOURS } from "./scene/palette.js";
+import { robotColour, smallInkOn, STATION_COLOURS } from "./scene/palette.js";
 import { AgentGrid } from "./ui/agent_grid.js";
 
 /** @typedef {import("./expert/edits.js").Gesture} Gesture */
@@ -31,7 +31,7 @@ function describeRows(robots, stations) {
     const number = isRobot ? String(index + 1) : `S${index + 1}`;
     return {
       number, key: isRobot ? number : `S then ${index + 1}`, name: `${isRobot ? "Robot" : "Station"} ${index + 1}`,
-      colour, ink: inkOn(colour), columns: COLUMNS.filter(({ of }) => of === (isRobot ? "robot" : "station")),
+      colour, ink: smallInkOn(colour), columns: COLUMNS.filter(({ of }) => of === (isRobot ? "robot" : "station")),
     };
   });
 }

@@ -6,7 +6,7 @@ import { countDown, TICK_HZ, whyNotRecording } from "./expert/countdown.js";
 import { CurveBook, MEASURES } from "./expert/curves.js";
 import { countWaiting, StateTimes } from "./expert/phases.js";
 import { Connection } from "./net/connection.js";
-import { decodeExpertText, encodeConfirm, encodeEdit, encodeExpertHello, encodeHandOver, encodeTakeLead } from "./net/expert_messages.js";
+import { decodeExpertText, encodeConfirm, encodeEdit, encodeExpertHello, encodeHandOver, encodeTakeLead, makeClient } from "./net/expert_messages.js";
 import { CAMERA_MODES } from "./scene/cameras.js";
 import { cellX, cellY } from "./scene/space.js";
 import { Spectator } from "./spectator.js";
@@ -32,11 +32,6 @@ const PHASE_NOTES = /** @type {Record<string, string>} */ ({
   countdown: "The world starts in a moment.",
   finished: "This trial is over. The next one begins in a moment.",
 });
-
-/** A number for this page that no other page has. */
-function makeClient() {
-  return Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) => byte.toString(16).padStart(2, "0")).join("");
-}
 
 /** One expert's page. */
 export class ExpertRun {
@@ -158,11 +153,12 @@ export class ExpertRun {
 
   /** The moment that the expert sees, or why nothing can be set now. @returns {{ trial: number, tick: number } | string} */
   #moment() {
-    const newest = this.spectator.snapshots.newest;
+    const { welcome } = this;
     if (this.isEnded) return "The run has ended.";
     if (this.connection.state !== "open") return "There is no connection: nothing can be set until it is back.";
-    if (!this.welcome || !newest || this.phase === "finished") return "There is no trial at the moment; the next one begins soon.";
-    return { trial: this.welcome.trial ?? 0, tick: Math.max(0, Math.min(newest.tick, Math.floor(this.spectator.tick))) };
+    if (!welcome || this.phase === "finished") return "There is no trial at the moment; the next one begins soon.";
+    const newest_tick = this.spectator.snapshots.newest?.tick ?? welcome.tick;
+    return { trial: welcome.trial ?? 0, tick: Math.max(0, Math.min(newest_tick, Math.floor(this.spectator.tick))) };
   }
 
   /** @param {import("./net/messages.js").Welcome & { trial?: number }} welcome */
@@ -191,7 +187,8 @@ export class ExpertRun {
     this.notices.tick(now_ms);
     this.gauges.tick(now_ms);
     const changes = { stored: desk?.edits.stored ?? 0, pending: desk?.edits.pending.length ?? 0 };
-    this.bar.showLine(connection.state === "open", connection.roundTrip_ms, changes);
+    if (this.isEnded) this.bar.hideLine();
+    else this.bar.showLine(connection.state === "open", connection.roundTrip_ms, changes);
     const reason = whyNotRecording({
       connected: connection.state === "open", phase: this.phase, ended: this.isEnded, lead: this.lead, client: this.client,
       recording: desk?.board.recording ?? false, worker: run?.worker ?? "person",
@@ -228,10 +225,8 @@ export class ExpertRun {
   /** @param {{ stored: number, pending: number }} changes */
   #showLost({ stored, pending }) {
     if (this.isEnded || (!this.runFacts && this.connection.state === "connecting")) return;
-    const kept = stored === 1 ? "1 change of yours is stored." : `${stored} changes of yours are stored.`;
-    const waits = pending === 1 ? "1 is still waiting and is sent again by itself." : `${pending} are still waiting and are sent again by themselves.`;
     this.notices.showBanner("lost", "Connection lost", [
-      `${kept} ${pending ? waits : "None is waiting."}`,
+      `Your changes: ${stored} stored, ${pending ? `${pending} still waiting, to be sent again as soon as the line is back` : "none waiting"}.`,
       "This page is trying to reconnect. Until then you see the last known moment, and nothing can be set.",
     ]);
   }

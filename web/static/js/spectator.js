@@ -22,6 +22,8 @@ const TICK_HZ = 30;
 const YAW_STEPS = 65536;
 /** How near a click must be to a robot or a station's middle, pixels. */
 const PICK_PX = 44;
+/** From high up the human is drawn larger than it is. */
+const PERSON_ABOVE = 1.7;
 /** Held keys move the camera by no more than this much time per picture. */
 const LONGEST_FRAME_S = 0.25;
 
@@ -138,7 +140,7 @@ export class Spectator {
     const human = this.#humanAt(tick);
     const robots = this.snapshots.sample(tick);
     const sight = cameras.sight(human, this.size());
-    this.person.place(human, sight.outside);
+    this.person.place(human, sight.outside, cameras.mode === "above" ? PERSON_ABOVE : 1);
     this.#mark(robots, sight.outside);
     view.draw(sight, robots, now_ms / 1000);
     this.frames += 1;

@@ -11,8 +11,8 @@ import { Edits } from "./edits.js";
 /** The elements in the order of the grid's columns. @type {readonly Column[]} */
 export const COLUMNS = Object.freeze([
   { name: "trajectory", title: "Trajectory", key: "T", bit: 4, of: "robot" },
-  { name: "live_location", title: "Live location", key: "L", bit: 1, of: "robot" },
-  { name: "transparent_avatar", title: "Ghost avatar", key: "G", bit: 2, of: "robot" },
+  { name: "live_location", title: "Live", key: "L", bit: 1, of: "robot" },
+  { name: "transparent_avatar", title: "Ghost", key: "G", bit: 2, of: "robot" },
   { name: "balloon", title: "Balloon", key: "B", bit: 1, of: "station" },
 ]);
 

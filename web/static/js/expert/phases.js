@@ -12,7 +12,7 @@ const IN_BAY_M = 0.35;
 /** Since which tick each robot has been in its state; for those seen from the start of it exactly. */
 export class StateTimes {
   constructor() {
-    /** @type {{ state: number, since: number }[]} */
+    /** @type {{ state: number, since: number, exact: boolean }[]} exact: its beginning was seen */
     this.robots = [];
     this.tick = 0;
   }
@@ -25,17 +25,18 @@ export class StateTimes {
   take(tick, robots) {
     this.tick = tick;
     robots.forEach(({ state }, robot) => {
-      if (this.robots[robot]?.state !== state) this.robots[robot] = { state, since: tick };
+      const known = this.robots[robot];
+      if (known?.state !== state) this.robots[robot] = { state, since: tick, exact: known !== undefined };
     });
   }
 
-  /** @param {number} robot @returns {string} such as “waiting 12 s” */
+  /** @param {number} robot @returns {string} such as “waiting 12 s”, or “12+ s” if it had begun unseen */
   describe(robot) {
     const known = this.robots[robot];
     if (!known) return "";
     const word = STATE_WORDS[known.state] ?? "";
     if (known.state === TO_STATION) return "with a box";
-    return known.state === WAITING ? `${word} ${Math.floor((this.tick - known.since) / 30)} s` : word;
+    return known.state === WAITING ? `${word} ${Math.floor((this.tick - known.since) / 30)}${known.exact ? "" : "+"} s` : word;
   }
 }
 

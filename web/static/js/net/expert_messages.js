@@ -44,6 +44,11 @@ export const EXPERT_VERSION = 1;
  * @typedef {Run | Agents | Progress | Curve | Stored | Refused | Experts | Agreement | Ended} ExpertText
  */
 
+/** A number for this page that no other page has. */
+export function makeClient() {
+  return Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) => byte.toString(16).padStart(2, "0")).join("");
+}
+
 /** @param {string} client @param {number} lastSeq the highest number this page has given */
 export const encodeExpertHello = (client, lastSeq) =>
   JSON.stringify({ type: "hello", version: EXPERT_VERSION, client, last_seq: lastSeq });

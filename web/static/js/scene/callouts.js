@@ -13,6 +13,7 @@ import { ROBOT_TOP_M } from "./space.js";
  * @typedef {object} Eye plan metres, radians, pixels
  * @property {number} x @property {number} y @property {number} heading @property {number} halfView
  * @property {number} width @property {number} height
+ * @property {boolean} isOutside a spectator's camera
  * @property {number} steepness 0 looking straight ahead, 1 straight down
  * @property {number} widening field of view against the participant's, as a ratio of tangents
  */
@@ -30,6 +31,8 @@ const ARROW_INSET_PX = 54;
 const ARROW_GAP = 0.16;
 /** A station's name stays below the line of facts at the upper edge. */
 const LABEL_TOP_PX = 84;
+/** Spectators' cameras see stations from far away: smaller names. */
+const OUTSIDE_LABEL = 0.68;
 /** Share of the way to a label's new place made per second. */
 const FOLLOW = 9;
 
@@ -66,7 +69,8 @@ export class Callouts {
     const spot = this.#project(camera, eye, sample.x_m, sample.y_m, top);
     if (!spot) return;
     const size = style.size * (PILL_FAR_PX + (PILL_NEAR_PX - PILL_FAR_PX) * Math.max(0, 1 - spot.depth_m / 14));
-    const label = { x: spot.x, y: spot.y - size * 0.55, w: size * 0.84, h: size * 0.84, depth_m: spot.depth_m };
+    const y = Math.max(eye.isOutside ? size / 2 : -Infinity, spot.y - size * 0.55);
+    const label = { x: spot.x, y, w: size * 0.84, h: size * 0.84, depth_m: spot.depth_m };
     this.labels.push({ id: robot, cell: pillCell(robot), label, strength: style.alpha });
   }
 
@@ -76,7 +80,11 @@ export class Callouts {
     if (!spot) return;
     const across = (place.size * eye.height) / spot.depth_m / eye.widening;
     const below = 18 + 0.45 * across * eye.steepness;
-    const label = { x: spot.x, y: Math.max(LABEL_TOP_PX, spot.y + below), w: 104, h: 44, depth_m: spot.depth_m - 100 };
+    const small = eye.isOutside ? OUTSIDE_LABEL : 1;
+    const [top, bottom] = eye.isOutside ? [18, eye.height - 18] : [LABEL_TOP_PX, Infinity];
+    const half = eye.isOutside ? 36 : -Infinity;
+    const x = Math.max(half, Math.min(eye.width - half, spot.x));
+    const label = { x, y: Math.min(bottom, Math.max(top, spot.y + small * below)), w: 104 * small, h: 44 * small, depth_m: spot.depth_m - 100 };
     this.labels.push({ id, cell: balloonLabelCell(station), label, strength: 1 });
     this.labels.push({ id, cell: null, strength: 1, label: { x: spot.x, y: spot.y - 6 - across * 0.5, w: across, h: across, depth_m: -200 } });
   }
@@ -95,7 +103,7 @@ export class Callouts {
       this.shifts[id] = shift;
       this.alphas[id] = alpha;
       const wide = label.w > label.h * 1.5;
-      const size = wide ? { w: 112, h: 56 } : { w: label.w / 0.84, h: label.h / 0.84 };
+      const size = wide ? { w: label.w * 1.077, h: label.h * 1.273 } : { w: label.w / 0.84, h: label.h / 0.84 };
       this.sprites.add(cell, label.x, label.y + shift, size.w, size.h, { alpha: alpha * strength });
     }
   }

@@ -16,8 +16,8 @@ export const CAMERA_MODES = Object.freeze(["worker", "above", "free"]);
 
 const WORKER_FOV_DEG = 60;
 /** From above a narrow view from high up: nearly a plan, and nothing hides behind a rack. */
-const ABOVE_FOV_DEG = 22;
-const ABOVE_MARGIN = 1.04;
+const ABOVE_FOV_DEG = 12;
+const ABOVE_MARGIN = 1.09;
 const ABOVE_ZOOM_MAX = 8;
 /** A hall that fills the view this much better when turned by a quarter is turned. */
 const TURN_GAIN = 1.25;

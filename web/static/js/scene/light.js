@@ -9,6 +9,8 @@ export const PANEL_HALF_M = /** @type {[number, number]} */ ([1.0, 0.16]);
 
 export const FOG_COLOUR = "#c3cbd1";
 export const FOG_DENSITY = 0.0105;
+/** Round the hall for those who look in from outside. */
+export const OUTSIDE_COLOUR = "#0d1318";
 
 /** @returns {import("three").Light[]} */
 export function makeLights() {

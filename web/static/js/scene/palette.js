@@ -21,15 +21,20 @@ export function robotColour(robot) {
   return /** @type {string} */ (ROBOT_COLOURS[robot % ROBOT_COLOURS.length]);
 }
 
-/**
- * Black or white, whichever is easier to read on the given colour (WCAG relative luminance).
- * @param {string} hex @returns {"#10151c" | "#ffffff"}
- */
-export function inkOn(hex) {
+/** WCAG relative luminance. @param {string} hex @returns {number} 0 to 1 */
+function luminanceOf(hex) {
   const channel = (/** @type {number} */ at) => {
     const value = parseInt(hex.slice(at, at + 2), 16) / 255;
     return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
   };
-  const luminance = 0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5);
-  return luminance > 0.3 ? "#10151c" : "#ffffff";
+  return 0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5);
+}
+
+/** Black or white for the large numbers in the hall. @param {string} hex @returns {"#10151c" | "#ffffff"} */
+export const inkOn = (hex) => (luminanceOf(hex) > 0.3 ? "#10151c" : "#ffffff");
+
+/** Black or white for small type, whichever has the higher contrast. @param {string} hex @returns {"#000000" | "#ffffff"} */
+export function smallInkOn(hex) {
+  const paper = luminanceOf(hex) + 0.05;
+  return paper / 0.05 > 1.05 / paper ? "#000000" : "#ffffff";
 }

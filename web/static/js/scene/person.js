@@ -49,8 +49,9 @@ export class Person {
     this.object.visible = false;
   }
 
-  /** @param {{ x: number, y: number, heading: number }} at plan metres, radians @param {boolean} visible */
-  place(at, visible) {
+  /** @param {{ x: number, y: number, heading: number }} at plan metres, radians @param {boolean} visible @param {number} size 1 for true to scale */
+  place(at, visible, size) {
+    this.object.scale.setScalar(size);
     this.object.visible = visible;
     this.object.position.set(at.x, 0, -at.y);
     this.object.rotation.y = at.heading;

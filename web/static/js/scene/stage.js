@@ -2,7 +2,7 @@
 // becomes coarser by itself where the machine is slow.
 
 import { NeutralToneMapping, PerspectiveCamera, Scene, WebGLRenderer, FogExp2, Color, Vector3 } from "three";
-import { FOG_COLOUR, FOG_DENSITY } from "./light.js";
+import { FOG_COLOUR, FOG_DENSITY, OUTSIDE_COLOUR } from "./light.js";
 import { cameraTurn, FIELD_OF_VIEW_DEG } from "./space.js";
 
 /** @typedef {"auto" | "on" | "off"} Antialias */
@@ -115,6 +115,7 @@ export class Stage {
     const { camera } = this;
     const fog = /** @type {FogExp2} */ (this.scene.fog);
     fog.density = outside ? 0 : FOG_DENSITY;
+    /** @type {Color} */ (this.scene.background).set(outside ? OUTSIDE_COLOUR : FOG_COLOUR);
     const [fov, near, far] = [at.fov_deg ?? FIELD_OF_VIEW_DEG, at.near_m ?? NEAR_M, at.far_m ?? FAR_M];
     if (camera.fov !== fov || camera.near !== near || camera.far !== far) {
       Object.assign(camera, { fov, near, far });

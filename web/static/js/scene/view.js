@@ -138,7 +138,7 @@ export class HallView {
     const { camera, size, halfView } = this.stage;
     const widening = Math.tan((camera.fov * Math.PI) / 360) / Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360);
     const steepness = at.outside ? Math.max(0, -Math.sin(at.pitch)) : 0;
-    const eye = { x: at.x, y: at.y, heading: at.heading, halfView, width: size.width, height: size.height, steepness, widening };
+    const eye = { x: at.x, y: at.y, heading: at.heading, halfView, width: size.width, height: size.height, isOutside: at.outside === true, steepness, widening };
     this.sprites.begin(size.width, size.height);
     this.callouts.begin();
     robots.forEach((sample, robot) => {

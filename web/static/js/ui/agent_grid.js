@@ -99,7 +99,7 @@ function buildHead(document, columns, title, handlers) {
   return build(
     document, "thead", {},
     build(document, "tr", {}, build(document, "th", { scope: "col", class: "what" }, title), ...heads, ...spare,
-      build(document, "th", { scope: "col", class: "owner" }, "shows"), build(document, "th", { scope: "col" }, build(document, "span", { class: "visually-hidden" }, "Right"))),
+      build(document, "th", { scope: "col", class: "owner", title: "Whose choice is displayed" }, "by"), build(document, "th", { scope: "col" }, build(document, "span", { class: "visually-hidden" }, "Right"))),
   );
 }
 
@@ -130,6 +130,7 @@ export class AgentGrid {
       build(document, "li", {}, build(document, "span", { class: `mark ${kind}`, "aria-hidden": "true" }), text);
     return build(
       document, "ul", { class: "legend" },
+      ...[["Space", "row"], ["R", "right"], ["U", "undo"]].map(([key = "", text = ""]) => build(document, "li", { class: "key" }, build(document, "kbd", {}, key), text)),
       item("ticked", "your setting"), item("lit", "displayed now"), item("dark", "not displayed"), item("hatched", "draws nothing now"), item("waiting", "not yet stored"),
     );
   }

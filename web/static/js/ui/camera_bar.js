@@ -5,8 +5,8 @@ import { build } from "./dom.js";
 const NAMES = /** @type {Record<string, string>} */ ({ worker: "Worker's eyes", above: "From above", free: "Free" });
 const HINTS = /** @type {Record<string, string>} */ ({
   worker: "As the worker sees it",
-  above: "Drag or W A S D to move, wheel or + − to zoom, click an agent to choose its row",
-  free: "Drag to turn, Shift-drag to move, wheel or + − to zoom, W A S D and Q E to fly",
+  above: "Drag moves, wheel zooms, a click chooses a row",
+  free: "Drag turns, Shift-drag moves, wheel zooms",
 });
 
 /** Buttons for the cameras. */

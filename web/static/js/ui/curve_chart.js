@@ -101,7 +101,7 @@ export class CurveChart {
         scales: { x: { time: false, range: (_, low, high) => [low, Math.max(high, low + 4)] }, y: { range: (_, low, high) => [Math.min(0, low), share ? Math.max(0.1, high) : Math.max(4, high * 1.05)] } },
         axes: [
           { ...axis, size: 26, gap: 3, incrs: [1, 2, 5, 10, 20, 25, 50, 100], space: 44 },
-          { ...axis, size: 40, gap: 3, space: 24, values: (_, ticks) => ticks.map((tick) => (share ? `${Math.round(tick * 100)} %` : String(tick))) },
+          { ...axis, size: 40, gap: 3, space: 24, ...(share ? {} : { incrs: [1, 2, 5, 10, 20, 50, 100] }), values: (_, ticks) => ticks.map((tick) => (share ? `${Math.round(tick * 100)} %` : String(tick))) },
         ],
         series: [{}, ...named.map(({ name, label }) => ({ label, ...(STYLES[name] ?? { stroke: INK }), show: !this.hidden.has(name), points: { show: (table[0]?.length ?? 0) < 2, size: 6, fill: STYLES[name]?.stroke ?? INK } }))],
       },

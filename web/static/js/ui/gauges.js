@@ -78,7 +78,7 @@ export class Gauges {
 
   /** Lets the last gain fade. @param {number} now_ms */
   tick(now_ms) {
-    this.gain.classList.toggle("seen", now_ms < this.gainUntil_ms);
+    this.gain.classList.toggle("seen", now_ms < this.gainUntil_ms && !this.ring.classList.contains("idle"));
   }
 
   /** @param {HTMLElement | undefined} element @param {string} text */

@@ -21,6 +21,11 @@ export class People {
     this.showAgreement([]);
   }
 
+  /** Shows the agreement alone: nobody is here any more. */
+  showNobody() {
+    this.list.hidden = true;
+  }
+
   /** @param {PresentExpert[]} present @param {string | null} lead @param {string} me client of this page */
   show(present, lead, me) {
     const { document } = this;
@@ -28,17 +33,17 @@ export class People {
       const mine = client === me;
       const item = build(document, "li", {}, build(document, "span", { class: "name" }, name + (mine ? " (you)" : "")));
       if (client === lead) item.append(build(document, "span", { class: "badge" }, "lead"));
-      else if (lead === me) item.append(this.#button("Hand over the lead", () => this.handlers.handOver(client)));
+      else if (lead === me) item.append(this.#button("Hand over", `Hand the lead over to ${name}`, () => this.handlers.handOver(client)));
       return item;
     });
-    if (lead === null) items.unshift(build(document, "li", { class: "leaderless" }, "Nobody has the lead: no pairs are taken. ", this.#button("Take the lead", () => this.handlers.takeLead())));
+    if (lead === null) items.unshift(build(document, "li", { class: "leaderless" }, "Nobody has the lead: no pairs are taken. ", this.#button("Take the lead", "Take the lead", () => this.handlers.takeLead())));
     else if (lead !== me) items.push(build(document, "li", { class: "hint" }, "Your settings are kept apart and compared with the lead's; they do not show."));
     this.list.replaceChildren(...items);
   }
 
-  /** @param {string} text @param {() => void} action */
-  #button(text, action) {
-    const button = build(this.document, "button", { type: "button", class: "small" }, text);
+  /** @param {string} text @param {string} name in full @param {() => void} action */
+  #button(text, name, action) {
+    const button = build(this.document, "button", { type: "button", class: "small", "aria-label": name, title: name }, text);
     button.addEventListener("click", action);
     return button;
   }

@@ -31,6 +31,11 @@ export class RunBar {
     write(recording, reason ? `Not recording: ${reason}` : "Recording");
   }
 
+  /** The run has ended: there is no line any more. */
+  hideLine() {
+    this.places.line.hidden = true;
+  }
+
   /** @param {boolean} open @param {number} roundTrip_ms NaN when not yet known @param {{ stored: number, pending: number }} changes */
   showLine(open, roundTrip_ms, { stored, pending }) {
     const { line } = this.places;

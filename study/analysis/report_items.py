@@ -1,0 +1,171 @@
+"""The report's part about the questionnaires that follow every trial."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, fields
+
+from study.analysis.cases import Item, StudyData, correction_family, item_design, label_condition
+from study.analysis.descriptives import summarise
+from study.analysis.designs import Design, Pairs
+from study.analysis.item_bars import ItemScale, draw_items, mark_of
+from study.analysis.likert import SEED, ItemPair, ItemRanking, compare_items, rank_items
+from study.analysis.report_parts import UNPLANNED, Tested
+from study.analysis.report_team import SUMMARY_FIELDS, SUMMARY_VIEWS
+from study.analysis.sheets import Picture, RowsBehind, Section, Sheet, View, make_sheet
+from study.analysis.wording import ALPHA, equals, interval
+
+HEADING = "Questionnaire"
+LEGEND = "* p < 0.05, ** p < 0.01 (Wilcoxon signed-rank, Holm over the planned contrasts)"
+WHISKERS = "Whiskers: 95 % interval of the mean."
+_ITEM = View("Item", "text", ("item",))
+
+
+def run_items(data: StudyData, pairs: Pairs) -> Tested:
+    """Friedman's test per item, Wilcoxon's per item and planned contrast, and the bars."""
+    if not data.rated_items:
+        missing = "Questionnaire: no item was answered after a trial."
+        return Tested(Section("items", HEADING, (), (), (missing,)), (missing,))
+    designs = {item: item_design(data, item) for item in data.rated_items}
+    ranked, compared = rank_items(designs), compare_items(designs, pairs)
+    tested = [(one, one.p_holm) for one in compared if one.p_holm is not None]
+    findings = [_word_pair(one) for one, p in tested if p < ALPHA]
+    if tested and not findings:
+        findings = ["Questionnaire: no difference between conditions was shown on any item."]
+    gaps = [f"{one.item}, all conditions: not tested ({one.note})." for one in ranked if one.note]
+    gaps += [f"{_name(one)}: not tested ({one.note})." for one in compared if one.note]
+    sentences = (_describe_tests(data), *([] if pairs.planned else [UNPLANNED]))
+    blocks: list[Sheet | Picture] = [_describe(data, designs)]
+    if any(one.p is not None for one in ranked):
+        blocks.append(_ranking_sheet(data, designs, ranked))
+    if compared:
+        blocks.append(_pair_sheet(data, designs, compared))
+    blocks += [
+        _draw(data, instrument, designs, compared)
+        for instrument in dict.fromkeys(item.instrument for item in designs)
+        if any(design.n for item, design in designs.items() if item.instrument == instrument)
+    ]
+    section = Section("items", HEADING, sentences, tuple(blocks), (*findings, *gaps))
+    return Tested(section, tuple(findings) or ("Questionnaire: nothing could be tested.",))
+
+
+def _describe_tests(data: StudyData) -> str:
+    families = "; ".join(
+        f"{', '.join(correction_family(data.rated_items, name))} of {name}"
+        for name in dict.fromkeys(item.instrument for item in data.rated_items)
+    )
+    return (
+        "Friedman's test over all conditions per item with Kendall's W, then Wilcoxon's "
+        "signed-rank test with Pratt's treatment of zeros (exact, given the ranks), corrected by "
+        "Holm over the planned contrasts of an item, and in a further column over all items of a "
+        f"family ({families}). The effect r is the matched-pairs rank-biserial correlation; ties "
+        "count as no effect; its interval is a percentile bootstrap over participants "
+        f"(seed {SEED})."
+    )
+
+
+def _name(one: ItemPair) -> str:
+    return f"{one.item}, {label_condition(one.first)} − {label_condition(one.second)}"
+
+
+def _word_pair(one: ItemPair) -> str:
+    higher = (one.rank_biserial or 0.0) > 0
+    family = f"; over the family p {equals(one.p_family)}" if one.p_family is not None else ""
+    return (
+        f"{one.item}: {label_condition(one.first)} rated {'higher' if higher else 'lower'} than "
+        f"{label_condition(one.second)} (p {equals(one.p_holm)} after Holm{family}; "
+        f"r = {interval((one.rank_biserial, one.low, one.high))})."
+    )
+
+
+def _behind(data: StudyData, designs: Mapping[Item, Design]) -> RowsBehind:
+    names = ", ".join(dict.fromkeys(item.instrument for item in designs))
+    people = {code for design in designs.values() for code in design.participants}
+    return RowsBehind(
+        "responses.csv",
+        f"mode = {data.mode}, instrument = {names}, participant not excluded and with an answer "
+        "in every condition (per item)",
+        sum(len(design.readings) for design in designs.values()),
+        len(people),
+    )
+
+
+def _describe(data: StudyData, designs: Mapping[Item, Design]) -> Sheet:
+    rows = [
+        {
+            "instrument": item.instrument,
+            "item": item.name,
+            "wording": item.wording,
+            "condition": name,
+            **asdict(summarise(design.column(name))),
+        }
+        for item, design in designs.items()
+        for name in design.conditions
+    ]
+    header = ("instrument", "item", "wording", "condition", *SUMMARY_FIELDS)
+    views = (_ITEM, View("Condition", "quotient", ("condition",)), *SUMMARY_VIEWS)
+    title = "Answers per item and condition"
+    return make_sheet("item_descriptives", title, rows, header, views, _behind(data, designs))
+
+
+def _ranking_sheet(
+    data: StudyData, designs: Mapping[Item, Design], ranked: Sequence[ItemRanking]
+) -> Sheet:
+    views = (
+        _ITEM,
+        View("N", "plain", ("n",)),
+        View("χ²", "number", ("chi_squared",)),
+        View("df", "plain", ("df",)),
+        View("p", "p", ("p",)),
+        View("p (family)", "p", ("p_family",)),
+        View("Kendall's W", "number", ("kendall_w",)),
+    )
+    header = tuple(field.name for field in fields(ItemRanking))
+    title = "All conditions: Friedman's test"
+    rows = [asdict(one) for one in ranked]
+    return make_sheet("friedman", title, rows, header, views, _behind(data, designs))
+
+
+def _pair_sheet(
+    data: StudyData, designs: Mapping[Item, Design], compared: Sequence[ItemPair]
+) -> Sheet:
+    views = (
+        _ITEM,
+        View("Contrast", "difference", ("first", "second")),
+        View("N", "plain", ("n",)),
+        View("Ties", "plain", ("zeros",)),
+        View("Rank sums +, −", "list", ("rank_sum_positive", "rank_sum_negative")),
+        View("p", "p", ("p",)),
+        View("p (Holm)", "p", ("p_holm",)),
+        View("p (family)", "p", ("p_family",)),
+        View("r [95 %]", "interval", ("rank_biserial", "low", "high")),
+    )
+    header = tuple(field.name for field in fields(ItemPair))
+    title = "Contrasts: Wilcoxon's signed-rank test"
+    rows = [asdict(one) for one in compared]
+    return make_sheet("signed_ranks", title, rows, header, views, _behind(data, designs))
+
+
+def _draw(
+    data: StudyData,
+    instrument: str,
+    designs: Mapping[Item, Design],
+    compared: Sequence[ItemPair],
+) -> Picture:
+    own = {i: d for i, d in designs.items() if i.instrument == instrument and d.n}
+    marks: dict[str, dict[tuple[str, str], str]] = {}
+    for one in compared:
+        if one.instrument == instrument:
+            marks.setdefault(one.item, {})[one.first, one.second] = mark_of(one.p_holm)
+    scales = {tuple(label for _, label in item.levels) for item in own}
+    levels = scales.pop() if len(scales) == 1 else ()
+    chart = draw_items(
+        list(own.values()),
+        marks,
+        ItemScale(levels, LEGEND),
+        title=f"Answers after each trial: {instrument}",
+        mark=data.mark,
+    )
+    wordings = " ".join(f"{item.name}: {item.wording}" for item in own)
+    caption = f"Mean answer per item and condition. {WHISKERS} {wordings}"
+    return Picture(f"items_{instrument}", caption, chart, _behind(data, own))
