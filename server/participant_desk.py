@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import cast
 
 from server.store.engine import Database
 from server.store.moves import end_idle, move, pause_absent, welcome_back
+from server.store.panel_ids import read_panel_ids, renew_token
 from server.store.participants import (
     NewParticipant,
     ParticipantRecord,
@@ -20,16 +22,16 @@ from server.store.participants import (
 )
 from server.store.responses import add_answers, read_answers
 from server.store.studies import keep_version, read_version
-from server.tokens import derive_token, looks_like_token
+from server.tokens import derive_panel_token, derive_token, looks_like_token
 from server.trial_desk import Clock, utc_now
 from study.config import Study
 from study.errors import AnswerError, UnknownStudy, UnknownToken, WrongStep
 from study.protocol.answers import validate_answers
 from study.protocol.device import judge_device
 from study.protocol.flow import FormSent, Withdrawal, comes_before, start, step_kind
+from study.protocol.lifecycle import Outcome
+from study.protocol.panel import TookPartAlready
 from study.protocol.questionnaires import Instrument
-
-LONGEST_PANEL_ID = 200
 
 
 @dataclass(frozen=True)
@@ -68,14 +70,17 @@ class ParticipantDesk:
                 await keep_version(session, study, self.clock())
 
     async def join(self, study_id: str, nonce: str, panel: Mapping[str, str]) -> str:
-        """Token of whoever sent this landing page; sent twice, it is one participant."""
+        """Token of whoever sent this landing page; sent twice, it is one participant.
+
+        A person whom the panel names is one participant, too, however often they come. Raises
+        `PanelIdRefused`, or `TookPartAlready` if that participation is over.
+        """
         study = self.find_study(study_id)
+        panel_ids = study.panel.read_ids(panel)
+        person_id = study.panel.person_id(panel_ids)
         token = derive_token(self.secret_key, study_id, nonce)
-        panel_ids = {
-            name: panel[name].replace("\x00", "")[:LONGEST_PANEL_ID]
-            for name in study.panel.parameters
-            if panel.get(name)
-        }
+        if person_id is not None:
+            token = derive_panel_token(self.secret_key, study_id, study.recruiting, person_id)
         now = self.clock()
         async with self.database.writing() as session:
             version = await keep_version(session, study, now)
@@ -88,8 +93,32 @@ class ParticipantDesk:
                 progress=start(study.plan),
                 panel_ids=panel_ids,
             )
+            await renew_token(session, newcomer, study.panel)
             await add_participant(session, newcomer, now)
+            joined = await find_participant(session, token)
+            if person_id is not None and joined.progress.outcome is not None:
+                raise TookPartAlready
         return token
+
+    def check_link(self, study: Study, query: Mapping[str, str]) -> dict[str, str]:
+        """The panel's parameters in a join link; raises `PanelIdRefused`."""
+        return study.panel.read_ids(query)
+
+    async def find_way_back(self, token: str) -> str | None:
+        """The panel's address for how this participation ended; None while it is under way.
+
+        Only addresses of hosts that the study names are ever given.
+        """
+        visit = await self.look_up(token)
+        life = visit.participant.progress.life
+        if life.outcome is None:
+            return None
+        ending = visit.study.endings.get(cast("Outcome", life.told))
+        if ending is None or ending.host not in visit.study.panel.hosts:
+            return None
+        async with self.database.reading() as session:
+            panel_ids = await read_panel_ids(session, visit.participant.id)
+        return ending.address(panel_ids)
 
     async def visit(self, token: str) -> Visit:
         """Who is at the door; notes that the page of the current step was shown."""

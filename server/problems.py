@@ -22,6 +22,7 @@ from study.errors import (
     WrongMoment,
     WrongStep,
 )
+from study.protocol.panel import PanelIdRefused, TookPartAlready
 
 
 class Refused(StudyError):
@@ -92,6 +93,8 @@ _TABLE: tuple[tuple[type[StudyError], Problem], ...] = (
     (UnknownToken, Problem(404, "This link is not known here", 4401)),
     (NotFound, Problem(404, "There is nothing at this address", 4401)),
     (AnswerError, Problem(422, "Some answers need your attention", 4400)),
+    (PanelIdRefused, Problem(400, "Please come through your recruitment panel", 4400)),
+    (TookPartAlready, Problem(409, "You have taken part already", 4410)),
     (NotAllowedLive, Problem(409, "This cannot be opened right now", 1013)),
     (WrongStep, Problem(409, "You are at another step", 4410)),
     (WrongMoment, Problem(409, "This does not fit what is going on", 1013)),

@@ -34,6 +34,13 @@ def derive_token(secret_key: bytes, study_id: str, nonce: str) -> str:
     return base64.urlsafe_b64encode(digest[:24]).decode()
 
 
+def derive_panel_token(secret_key: bytes, study_id: str, mode: str, person_id: str) -> str:
+    """The token of a person of a recruitment panel: the same whenever they come again."""
+    parts = f"panel\x1f{study_id}\x1f{mode}\x1f{person_id}"
+    digest = hmac.digest(secret_key, parts.encode(), hashlib.sha256)
+    return base64.urlsafe_b64encode(digest[:24]).decode()
+
+
 def looks_like_token(text: str) -> bool:
     """Whether this could be a token at all."""
     return _TOKEN.fullmatch(text) is not None

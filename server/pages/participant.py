@@ -19,8 +19,7 @@ async def show_landing(
 ) -> Response:
     """What the study is, with a button. Stores nothing, so link previews take no place."""
     study = desk.find_study(study_id)
-    query = request.query_params
-    panel = {name: query[name][:200] for name in study.panel.parameters if name in query}
+    panel = desk.check_link(study, request.query_params)
     return renderer.page("landing.html", {"study": study, "panel": panel, "nonce": make_nonce()})
 
 
@@ -52,6 +51,12 @@ async def withdraw(token: str, desk: DeskDep) -> Response:
     """End the participation."""
     await desk.withdraw(token)
     return _go(f"/p/{token}")
+
+
+@router.get("/p/{token}/return")
+async def return_to_panel(token: str, desk: DeskDep) -> Response:
+    """Back to the recruitment panel, once how it ended is stored; else to the current step."""
+    return _go(await desk.find_way_back(token) or f"/p/{token}")
 
 
 @router.get("/p/{token}/{step}")

@@ -140,7 +140,14 @@ def _ended_values(visit: Visit) -> dict[str, Any]:
         "text": text,
         "heading": text.title,
         "completion_code": visit.study.completion_codes.get(outcome, ""),
+        "can_return": _may_return(visit, outcome),
         "code_caption": "Your completion code" if outcome == "completed" else "Your code",
         "code_advice": "If you came from a recruitment panel, enter this code there. "
         "Otherwise there is nothing more to do.",
     }
+
+
+def _may_return(visit: Visit, outcome: Outcome) -> bool:
+    """Whether the study names an address of the panel for this outcome."""
+    ending = visit.study.endings.get(outcome)
+    return ending is not None and ending.host in visit.study.panel.hosts

@@ -7,6 +7,7 @@ import hashlib
 import io
 import zipfile
 from collections.abc import Callable
+from itertools import count
 from typing import Any
 
 from server.export import ExportOptions, stream_export
@@ -21,6 +22,7 @@ from study.config import Study
 from .live.stage import FakeClock, Stage, serve_stations
 
 MakeResult = Callable[..., TrialResult]
+NUMBERS = count()
 CONSENT = {"adult": "yes", "informed": "yes", "agreed": "yes"}
 DEVICE = {"keyboard": "yes", "mouse": "yes", "webgl": "yes", "touch_only": "no"}
 PERSON = {"age": "31", "gender": "man", "games_3d": "daily", "colour_vision": "no"}
@@ -59,7 +61,7 @@ class Site:
         self.database = database
 
     async def walk(self, steps: int, rating: str, remark: str) -> str:
-        token = await self.people.join("demo", "", {"PROLIFIC_PID": "panel-id"})
+        token = await self.people.join("demo", "", {"PROLIFIC_PID": f"panel-id-{next(NUMBERS)}"})
         for _ in range(steps):
             step = (await self.people.look_up(token)).participant.progress.page
             if step == "practice" or step.startswith("trial-"):

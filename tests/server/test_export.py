@@ -175,7 +175,7 @@ async def test_nothing_in_the_export_leads_back_to_a_person(site: Site) -> None:
     assert token.encode() not in whole
     assert b"panel-id" not in whole
     asked_for = read_tables(await export(site.database, panel_ids=True))
-    assert [row["value"] for row in asked_for["panel_ids"]] == ["panel-id"]
+    assert [row["value"][:9] for row in asked_for["panel_ids"]] == ["panel-id-"]
 
 
 async def test_columns_do_not_depend_on_what_was_answered(site: Site) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
+from itertools import count
 from typing import Any
 
 import pytest
@@ -36,6 +37,7 @@ from study.records.events import JournalEvent
 from study.records.journal import JournalChunk
 
 MakeResult = Callable[..., TrialResult]
+NUMBERS = count()
 FORMS = {
     "consent": {"adult": "yes", "informed": "yes", "agreed": "yes"},
     "browser-check": {"keyboard": "yes", "mouse": "yes", "webgl": "yes", "touch_only": "no"},
@@ -59,7 +61,9 @@ class Site:
         self.staff = LifeDesk(database, lambda: self.now)
 
     async def walk_to(self, wanted: str, token: str | None = None) -> str:
-        token = token or await self.people.join(self.study.study_id, "", {"PROLIFIC_PID": "pid"})
+        token = token or await self.people.join(
+            self.study.study_id, "", {"PROLIFIC_PID": f"pid-{next(NUMBERS)}"}
+        )
         while (step := (await self.look(token)).progress.page) != wanted:
             if step == "practice" or step.startswith("trial-"):
                 opened = await self.desk.open_trial(token)

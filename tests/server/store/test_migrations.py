@@ -141,7 +141,7 @@ async def test_outcomes_become_statuses_with_a_history(empty_url: str) -> None:
             None,
         )
         for number, (step, outcome) in enumerate(people, 1)
-    ]
+    ]  # fmt: skip
     claims = [(n, "demo", "pilot", 3, 0, 0, kind, "", AT) for n, kind in ((1, "claimed"),)]
     tables = {"study_versions": FIRST["study_versions"], "participants": rows, "claims": claims}
     await fill(database, tables)
