@@ -135,9 +135,10 @@ async def test_serve_says_the_warning_before_it_serves(
 ) -> None:
     from server.serving import _prepare
     from server.settings import Settings
+    from server.study_files import ReadStudy
 
     monkeypatch.setattr("server.policy_desk.shipped_policy", lambda: make_policy("bred"))
     config = Settings(var_dir=tmp_path, admin_password="long enough for tests")  # type: ignore[arg-type]
-    await _prepare(config, (study.revised(recruiting="live"),))
+    await _prepare(config, [ReadStudy(study.revised(recruiting="live"))])
     said = capsys.readouterr().out
     assert "Warning: the study “demo” recruits live participants" in said

@@ -2,60 +2,23 @@
 
 from __future__ import annotations
 
-import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
-from urllib.parse import urlsplit
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 from fastapi import FastAPI
-from playwright.sync_api import Page, Route, sync_playwright
+from playwright.sync_api import Page
 from starlette.testclient import TestClient
 
 from server.accounts import add_user
 from tests.server.bad_policies import make_policy
+from tests.server.pages.looking import problems_of
 
 PASSWORD = "a long enough password"
 pytestmark = pytest.mark.browser
 STEPS = ("consent", "browser-check", "demographics", "instructions", "explanation-1",
          "questionnaire-1", "comments", "debrief")  # fmt: skip
 REFUSED = ("consent", "demographics", "questionnaire-1")
-
-
-@pytest.fixture
-def chromium_page(client: TestClient) -> Iterator[Page]:
-    """A browser whose every request is answered by the app in this process."""
-
-    def answer(route: Route) -> None:
-        asked = urlsplit(route.request.url)
-        kind = route.request.headers.get("content-type", "text/plain")
-        got = client.request(
-            route.request.method,
-            f"{asked.path}?{asked.query}",
-            content=route.request.post_data_buffer,
-            headers={"content-type": kind},
-            follow_redirects=True,
-        )
-        route.fulfill(status=got.status_code, headers=dict(got.headers), body=got.content)
-
-    program = shutil.which("chromium") or shutil.which("google-chrome")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, chromium_sandbox=False)
-        page = browser.new_page(viewport={"width": 1280, "height": 800})
-        page.route("**/*", answer)
-        yield page
-        browser.close()
-
-
-def problems_of(page: Page) -> list[str]:
-    found = [str(violation["id"]) for violation in Axe().run(page).response["violations"]]
-    for width in (320, 640):
-        page.set_viewport_size({"width": width, "height": 600})
-        if page.evaluate("document.documentElement.scrollWidth") > width:
-            found.append(f"wider than {width} px")
-    page.set_viewport_size({"width": 1280, "height": 800})
-    return found
 
 
 @pytest.mark.parametrize("role", ["admin", "expert"])
