@@ -13,6 +13,7 @@ from itertools import groupby
 from typing import Any
 
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page, expect
 
 from browser.conftest import ADMIN_PASSWORD, TAP, Server
@@ -63,9 +64,16 @@ def start_run(page: Page, server: Server) -> str:
     page.get_by_role("button", name="Start the run").click()
     page.wait_for_function("() => Number(document.querySelector('#stage')?.dataset.frames) > 0")
     expect(page.locator(".notices > .note")).to_contain_text("Waiting for the worker")
+    check_with_axe(page)
     link = page.locator("#worker-link a").get_attribute("href")
     assert link is not None
     return link
+
+
+def check_with_axe(page: Page) -> None:
+    """Nothing on the page bars anybody."""
+    found = Axe().run(page).response["violations"]
+    assert [(v["id"], [node["target"] for node in v["nodes"]]) for v in found] == []
 
 
 def facts(page: Page) -> dict[str, Any]:
@@ -111,6 +119,7 @@ def test_what_an_expert_sets_is_seen_learned_and_stored(
     expert.get_by_role("button", name="Stop it for good").click()
     expect(expert.get_by_role("heading", name="This run was stopped")).to_be_visible()
     expect(worker.get_by_role("heading", name="The run has ended")).to_be_visible(timeout=60_000)
+    check_with_axe(worker)
     expert.wait_for_function(STORED_ITERATIONS, arg=stored)
     with expert.expect_download() as download:
         expert.get_by_role("link", name="Download the dataset").click()
