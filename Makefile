@@ -53,7 +53,8 @@ test: check ## Everything the suite needs, then the whole suite
 	@bash tests/run.sh $(PYTEST)
 
 pictures: test-needs ## Draw the pictures of the README and of the explanation pages again
-	@PYTHONPATH=. .venv/bin/python -m tests.browser.make_pictures
+	@PYTHONPATH=. .venv/bin/python -m tests.browser.make_pictures --docs --elements
+	@PYTHONPATH=. .venv/bin/python -m tests.browser.page_pictures
 
 results: install ## Learn, simulate and write docs/results.md again (about 15 minutes; SIZE=small to try)
 	@.venv/bin/python -m server.results $(if $(SIZE),--size $(SIZE))
