@@ -16,6 +16,7 @@ from types import MappingProxyType
 import numpy as np
 
 from study.analysis.designs import Design, LeftOut, Reading, complete_cases, order_conditions
+from study.analysis.wording import NO_VALUE
 
 MEASURES: Mapping[str, str] = MappingProxyType(
     {
@@ -98,6 +99,11 @@ class StudyData:
     def mark(self) -> str:
         """Whose data these are; empty for live participants."""
         return MARKS.get(self.mode, self.mode)
+
+    @property
+    def mode_filter(self) -> str:
+        """The filter that chose these rows, as tables name it."""
+        return f"mode = {self.mode or NO_VALUE}"
 
     @cached_property
     def counted(self) -> tuple[str, ...]:

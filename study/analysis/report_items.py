@@ -18,7 +18,7 @@ from study.analysis.descriptives import summarise
 from study.analysis.designs import Design, Pairs
 from study.analysis.item_bars import ItemScale, draw_items, mark_of
 from study.analysis.likert import SEED, ItemPair, ItemRanking, compare_items, rank_items
-from study.analysis.report_parts import UNPLANNED, Gap, Tested, word_gaps
+from study.analysis.report_parts import Gap, Tested, note_plan, word_gaps
 from study.analysis.report_team import SUMMARY_FIELDS, SUMMARY_VIEWS
 from study.analysis.sheets import Picture, RowsBehind, Section, Sheet, View, make_sheet
 from study.analysis.wording import ALPHA, equals, interval, number, unformatted
@@ -43,7 +43,7 @@ def run_items(data: StudyData, pairs: Pairs) -> Tested:
         findings.append("No planned contrast showed a difference on any item.")
     gaps = [Gap(f"{one.item}, all conditions", one.note) for one in ranked if one.note]
     gaps += [Gap(_name(one), one.note) for one in compared if one.note]
-    sentences = (_describe_tests(data), *([] if pairs.planned else [UNPLANNED]))
+    sentences = (_describe_tests(data), *note_plan(pairs))
     blocks: list[Sheet | Picture] = [_describe(data, designs)]
     if any(one.p is not None for one in ranked):
         blocks.append(_ranking_sheet(data, designs, ranked))
@@ -108,7 +108,7 @@ def _behind(data: StudyData, designs: Mapping[Item, Design]) -> RowsBehind:
     people = {code for design in designs.values() for code in design.participants}
     return RowsBehind(
         "responses.csv",
-        f"mode = {data.mode}, instrument = {names}, participant not excluded and with an answer "
+        f"{data.mode_filter}, instrument = {names}, participant not excluded and with an answer "
         "in every condition (per item)",
         sum(len(design.readings) for design in designs.values()),
         len(people),

@@ -59,7 +59,7 @@ def _statuses(data: StudyData) -> Sheet:
         View("Status", "text", ("status",)),
         View("Participants", "plain", ("participants",)),
     )
-    behind = RowsBehind("participants.csv", f"mode = {data.mode}", *[len(data.people)] * 2)
+    behind = RowsBehind("participants.csv", data.mode_filter, *[len(data.people)] * 2)
     return make_sheet(
         "statuses", "Participants by status", rows, ("status", "participants"), views, behind
     )
@@ -85,7 +85,7 @@ def _orders(data: StudyData, design: Design) -> Sheet:
     header = ("order", "shown", "participants", "complete")
     behind = RowsBehind(
         "participants.csv",
-        f"mode = {data.mode} and condition_order is not empty",
+        f"{data.mode_filter} and condition_order is not empty",
         *[sum(bool(person.order) for person in data.people)] * 2,
     )
     return make_sheet("orders", "Participants by order", rows, header, views, behind)
@@ -96,7 +96,10 @@ def _left_out(data: StudyData, design: Design) -> Sheet:
     rows = [{"participant_code": one.participant, "reason": one.reason} for one in found]
     views = (View("Participant", "text", ("participant_code",)), View("Why", "text", ("reason",)))
     behind = RowsBehind(
-        "participants.csv", f"mode = {data.mode}, without complete data", len(found), len(found)
+        "participants.csv",
+        f"{data.mode_filter}, without complete data",
+        len(found),
+        len(found),
     )
     return make_sheet(
         "left_out",
@@ -136,7 +139,7 @@ def _background(data: StudyData, design: Design) -> Sheet:
     views = (View("Question", "text", ("wording",)), View("Answers", "text", ("answers",)))
     behind = RowsBehind(
         "responses.csv",
-        f"mode = {data.mode} and condition is empty, of those with complete data",
+        f"{data.mode_filter} and condition is empty, of those with complete data",
         len(used),
         len(set(used)),
     )
