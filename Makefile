@@ -56,7 +56,8 @@ schema: install ## Write the JSON Schema of study files into docs/ again
 	@.venv/bin/python -c 'from study.files.schema import schema_text; print(schema_text(), end="")' > docs/study.schema.json
 
 pictures: test-needs ## Draw the pictures of the README and of the explanation pages again
-	@PYTHONPATH=. .venv/bin/python -m tests.browser.make_pictures
+	@PYTHONPATH=. .venv/bin/python -m tests.browser.make_pictures --docs --elements
+	@PYTHONPATH=. .venv/bin/python -m tests.browser.page_pictures
 
 results: install ## Learn, simulate and write docs/results.md again (about 15 minutes; SIZE=small to try)
 	@.venv/bin/python -m server.results $(if $(SIZE),--size $(SIZE))

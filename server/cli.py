@@ -6,7 +6,6 @@ Errors go to stderr: exit code 2 for a wrong call, 1 for a failure.
 from __future__ import annotations
 
 import asyncio
-import os
 import sys
 from collections.abc import Callable
 from enum import StrEnum
@@ -18,10 +17,11 @@ from pydantic import ValidationError
 
 from server.cli_analyze import analyze
 from server.cli_bench import bench
-from server.cli_choices import BackendName, Mode, Scale, Worker
+from server.cli_choices import Mode
 from server.cli_evaluate import evaluate
 from server.cli_learn import learn
 from server.cli_output import AsJson, report
+from server.cli_simulate import simulate
 from server.cli_study import describe_problems, init, problem_lines, validate
 from study.errors import InvalidValue, NotFound, StudyError, StudyFileError, UnknownStudy
 
@@ -92,52 +92,9 @@ def migrate(database_url: DatabaseUrl = None) -> None:
         typer.echo(f"Schema {before or 'none'} -> {after}.")
 
 
-@app.command()
-def simulate(
-    out: Annotated[Path, typer.Option(help="Folder for trials.csv and robots.csv.")],
-    condition: Annotated[str, typer.Option(help="varil, arroch, crmiar, none or full.")] = "none",
-    policy: Annotated[Path | None, typer.Option(help="Policy file for `varil`.")] = None,
-    scale: Scale = Scale.STUDY,
-    worker: Worker = Worker.CYCLIC,
-    trials: Annotated[int, typer.Option(min=1)] = 10,
-    seed: Annotated[int, typer.Option(min=0, max=2**53)] = 0,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes; default all cores.")
-    ] = None,
-    backend: Annotated[
-        BackendName, typer.Option(help="Processes here, or a Dask cluster.")
-    ] = BackendName.LOKY,
-    dask_scheduler: Annotated[
-        str, typer.Option(help="Address of a running cluster; default one on this machine.")
-    ] = "",
-    as_json: AsJson = False,
-) -> None:
-    """Run trials headless with a simulated worker, on all cores."""
-    from server.backends import Backend
-    from server.simulation import SimulationOptions, run_simulation
-
-    if policy is not None and condition != "varil":
-        raise typer.BadParameter(
-            f"the condition {condition} follows no policy", param_hint="--policy"
-        )
-    summary = run_simulation(
-        SimulationOptions(
-            condition=condition,
-            policy=policy,
-            scale=scale.value,
-            worker=worker.value,
-            trials=trials,
-            seed=seed,
-            backend=Backend(backend.value, workers or os.cpu_count() or 1, dask_scheduler),
-            out=out,
-            quiet=as_json,
-        )
-    )
-    report(summary, as_json)
-
-
 app.command()(init)
 app.command()(validate)
+app.command()(simulate)
 app.command()(learn)
 app.command()(evaluate)
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from enum import StrEnum
 
+NO_BALLOONS = "only the believer looks at balloons"
+
 
 class Scale(StrEnum):
     """The halls by name."""
@@ -22,12 +24,42 @@ class Worker(StrEnum):
     WANDERER = "wanderer"
     BLOCKER = "blocker"
     BELIEVER = "believer"
+    ORACLE = "oracle"
 
 
 class Expert(StrEnum):
     """Simulated experts."""
 
+    PERSON = "person"
     TABLE = "table"
+
+
+class Wish(StrEnum):
+    """What the expert `person` wants to be visible."""
+
+    DECLUTTER = "declutter"
+    INFORM = "inform"
+
+
+class View(StrEnum):
+    """The picture at which the expert `person` looks."""
+
+    WORKER = "worker"
+    ABOVE = "above"
+
+
+class BalloonBelief(StrEnum):
+    """Which balloons count for the believer."""
+
+    ONSET = "onset"
+    ALWAYS = "always"
+
+
+class Control(StrEnum):
+    """Policies that nobody learned."""
+
+    ALL_OFF = "all_off"
+    NO_GHOST = "no_ghost"
 
 
 class BackendName(StrEnum):

@@ -46,7 +46,7 @@ class LearningOptions:
     scale: str = "study"
     hall: HallSpec | None = None
     habits: Habits = field(default_factory=Habits)
-    expert: str = "table"
+    expert: str = "person"
     worker: str = "believer"
     quiet: bool = False
 

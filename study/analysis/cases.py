@@ -142,12 +142,12 @@ def team_design(data: StudyData, measure: str) -> Design:
 def item_design(data: StudyData, item: Item) -> Design:
     """Complete cases of an item; answers that are no number or level count as missing."""
     counted = set(data.counted)
-    levels = {value: float(place) for place, (value, _) in enumerate(item.levels, 1)}
+    places = level_places(item)
     readings: list[Reading] = []
     for answer in data.answers:
         if (answer.instrument, answer.item) != (item.instrument, item.name):
             continue
-        value = read_level(answer.value, levels)
+        value = read_level(answer.value, places)
         if answer.condition and answer.participant in counted and value is not None:
             place = (answer.participant, answer.condition, answer.position or 0)
             readings.append(Reading(*place, value))
@@ -155,12 +155,24 @@ def item_design(data: StudyData, item: Item) -> Design:
     return complete_cases(item.name, readings, data.conditions, data.counted, missing)
 
 
-def read_level(text: str, levels: Mapping[str, float]) -> float | None:
+def level_places(item: Item) -> dict[str, float]:
+    """The place of each level by its value, from 1."""
+    return {value: float(place) for place, (value, _) in enumerate(item.levels, 1)}
+
+
+def scale_points(item: Item) -> tuple[tuple[float, str], ...]:
+    """The levels as numbers with their labels; none for an open scale."""
+    places = level_places(item)
+    read = ((read_level(value, places), label) for value, label in item.levels)
+    return tuple((value, label) for value, label in read if value is not None)
+
+
+def read_level(text: str, places: Mapping[str, float]) -> float | None:
     """An answer as a number: its own, else the place of its level (from 1), else None."""
     try:
         value = float(text)
     except ValueError:
-        return levels.get(text)
+        return places.get(text)
     return value if np.isfinite(value) else None
 
 

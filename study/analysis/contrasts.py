@@ -55,12 +55,12 @@ def compare_pair(design: Design, first: str, second: str) -> PairedComparison:
     n = len(differences)
     start = PairedComparison(design.measure, first, second, n)
     if n == 0:
-        return replace(start, note="no participant with complete data")
+        return replace(start, note="there is no participant with complete data")
     mean = float(differences.mean())
     if n == 1:
-        return replace(start, difference=mean, note="one participant: no spread, so no test")
+        return replace(start, difference=mean, note="one participant has no spread")
     if not has_spread(differences, design.values):
-        note = "the difference is the same for every participant: no spread, so no test"
+        note = "the difference is the same for every participant"
         return replace(start, difference=mean, sd=0.0, note=note)
     sd = float(differences.std(ddof=1))
     error = sd / n**0.5

@@ -7,7 +7,7 @@ condition; nothing is filled in, and nobody disappears without a reason.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -107,13 +107,14 @@ def complete_cases(
             left_out.append(LeftOut(person, "; ".join(told)))
         else:
             kept.append(person)
+    whole = set(kept)
     table = [[float(np.mean(found[person, name])) for name in conditions] for person in kept]
     return Design(
         measure,
         tuple(conditions),
         tuple(kept),
         np.array(table, np.float64).reshape(len(kept), len(conditions)),
-        tuple(r for r in readings if r.participant in set(kept) and r.condition in conditions),
+        tuple(r for r in readings if r.participant in whole and r.condition in conditions),
         tuple(left_out),
     )
 
@@ -133,13 +134,25 @@ def choose_pairs(conditions: Sequence[str]) -> Pairs:
 
 def require(design: Design, participants: int, conditions: int = 2) -> None:
     """Raise `Untestable` unless the design has that many participants and conditions."""
-    if len(design.conditions) < conditions:
-        raise Untestable(
-            f"{count(len(design.conditions), 'condition')} in the data, "
-            f"and this needs at least {conditions}"
-        )
-    if design.n < participants:
-        raise Untestable(
-            f"{count(design.n, 'participant')} with complete data, "
-            f"and this needs at least {participants}"
-        )
+    for number, least, noun, where in (
+        (design.n, participants, "participant", "with complete data"),
+        (len(design.conditions), conditions, "condition", "in the data"),
+    ):
+        if number < least:
+            verb = "are" if number > 1 else "is"
+            raise Untestable(
+                f"there {verb} {count(number, noun)} {where}, and at least {least} are needed"
+            )
+
+
+def positive_cases(design: Design) -> Design:
+    """The design without participants who have a value of 0 or less, which has no logarithm."""
+    out = {reading.participant for reading in design.readings if reading.value <= 0}
+    rows = [place for place, code in enumerate(design.participants) if code not in out]
+    return replace(
+        design,
+        participants=tuple(design.participants[place] for place in rows),
+        values=design.values[rows],
+        readings=tuple(one for one in design.readings if one.participant not in out),
+        left_out=(*design.left_out, *(LeftOut(code, "a value of 0") for code in sorted(out))),
+    )

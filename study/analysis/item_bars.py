@@ -15,7 +15,7 @@ from study.analysis.cases import label_condition
 from study.analysis.descriptives import Summary, summarise
 from study.analysis.designs import Design
 from study.analysis.drawing import INK, Chart, finish_chart, new_figure, style_of
-from study.analysis.wording import mark_title
+from study.analysis.wording import mark_title, unformatted
 
 HEADER = ("item", "condition", "n", "mean", "low", "high")
 Pair = tuple[str, str]
@@ -23,9 +23,9 @@ Pair = tuple[str, str]
 
 @dataclass(frozen=True)
 class ItemScale:
-    """The labels of points 1, 2, ... of a scale, empty for open scales; what marks mean."""
+    """The points of a scale with their labels, empty for open scales; what marks mean."""
 
-    levels: tuple[str, ...]
+    points: tuple[tuple[float, str], ...]
     legend: str
 
 
@@ -51,12 +51,13 @@ def draw_items(
     """
     conditions = designs[0].conditions
     figure, (axis,) = new_figure(max(5.4, 1.8 + 1.0 * len(designs)), 4.3)
-    base = 1.0 if scale.levels else 0.0
+    values = [value for value, _ in scale.points]
+    base = min(values, default=0.0)
     found = [[summarise(design.column(name)) for name in conditions] for design in designs]
     for place, name in enumerate(conditions):
         _draw_condition(axis, name, place, len(conditions), [row[place] for row in found], base)
     tops = [max(_bounds(one)[1] for one in row) for row in found]
-    step = 0.055 * max(max(tops) - base, len(scale.levels) - 1.0)
+    step = 0.055 * max(max(tops) - base, max(values, default=base) - base, 1e-9)
     highest = max(tops)
     for middle, (design, top) in enumerate(zip(designs, tops, strict=True)):
         own = [(pair, text) for pair, text in marks.get(design.measure, {}).items() if text]
@@ -64,11 +65,11 @@ def draw_items(
             ends = [middle + _offset(conditions.index(name), len(conditions)) for name in pair]
             drawn = _draw_bracket(axis, ends, top + (0.6 + 1.25 * level) * step, step, text)
             highest = max(highest, drawn)
-    axis.set_ylim(base, max(highest, *tops, float(len(scale.levels))) + step)
-    if scale.levels:
-        texts = [f"{label}  {k}" for k, label in enumerate(scale.levels, 1)]
-        axis.set_yticks(range(1, len(texts) + 1), texts)
-    axis.set_xticks(range(len(designs)), [design.measure for design in designs])
+    axis.set_ylim(base, max(highest, *tops, *values) + step)
+    if scale.points:
+        texts = [f"{unformatted(label)}  {value:g}" for value, label in scale.points]
+        axis.set_yticks(values, texts)
+    axis.set_xticks(range(len(designs)), [unformatted(d.measure) for d in designs])
     axis.tick_params(axis="x", colors=INK, length=0)
     axis.grid(visible=False, axis="x")
     figure.legend(
@@ -111,7 +112,7 @@ def _draw_condition(
     axis.bar(
         at, [mean - base for mean in means], bottom=base, width=0.94 * _width(conditions),
         facecolor=_tint(style.colour), edgecolor=style.colour, hatch=style.hatch, linewidth=0.8,
-        label=label_condition(name),
+        label=unformatted(label_condition(name)),
     )  # fmt: skip
     axis.errorbar(at, means, yerr=reach, fmt="none", color=INK, capsize=2.5, linewidth=1.0)
 

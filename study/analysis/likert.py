@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 
 from study.analysis.cases import Item, correction_family
-from study.analysis.designs import Design, Pairs, Untestable
+from study.analysis.designs import Design, Pairs, Untestable, require
 from study.analysis.friedman import rank_conditions
 from study.analysis.holm import adjust_holm
 from study.analysis.signed_ranks import bound_rank_biserial, compare_ranks, rank_biserial
@@ -111,8 +111,10 @@ def _rank(item: Item, design: Design) -> ItemRanking:
 
 def _compare(item: Item, design: Design, first: str, second: str) -> ItemPair:
     start = ItemPair(item.instrument, item.name, first, second, design.n)
-    if design.n < 2:
-        return replace(start, note="fewer than 2 participants with complete data")
+    try:
+        require(design, 2)
+    except Untestable as error:
+        return replace(start, note=error.what)
     differences = design.differences(first, second)
     name = "/".join((item.instrument, item.name, first, second))
     low, high = bound_rank_biserial(differences, zlib.crc32(name.encode(), SEED))

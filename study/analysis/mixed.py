@@ -22,7 +22,7 @@ from statsmodels.regression.mixed_linear_model import MixedLM
 from study.analysis.descriptives import LEVEL, has_spread
 from study.analysis.designs import Design, Floats, Pairs, Untestable, require
 from study.analysis.holm import adjust_holm
-from study.analysis.model_matrices import ModelRows, describe_rows, rank_of
+from study.analysis.model_matrices import ModelRows, describe_rows, left_over, rank_of, within
 
 SMALLEST_SHARE = 1e-6
 _LEFT_OUT = "position is left out: it cannot be told apart from condition in these orders"
@@ -81,13 +81,12 @@ def fit_log_model(design: Design, *, with_position: bool = True) -> LogModel:
     note = ""
     if with_position and _lacks_rank(rows, rows.conditions, rows.positions):
         with_position, note = False, _LEFT_OUT
-    fixed = [rows.conditions, rows.positions] if with_position else [rows.conditions]
+    fixed = np.column_stack([rows.conditions, rows.positions]) if with_position else rows.conditions
     names = (*rows.condition_names, *(rows.position_names if with_position else ()))
-    exog = np.column_stack([np.ones(len(rows.values)), *fixed])
     y = np.log(rows.values)
-    within = np.column_stack([rows.participants, *fixed])
-    df = len(y) - rank_of(within)
-    rest = y - within @ np.linalg.lstsq(within, y, rcond=None)[0]
+    own = within(rows, fixed)
+    rest = left_over(own, within(rows, y[:, np.newaxis])[:, 0])
+    df = len(y) - design.n - rank_of(own)
     if df < 1 or not has_spread(rest, y):
         raise Untestable("nothing varies within participants beyond condition and position")
     model = LogModel(
@@ -106,7 +105,7 @@ def fit_log_model(design: Design, *, with_position: bool = True) -> LogModel:
         with_position=with_position,
     )
     unit = float(rest @ rest / df) ** 0.5
-    return _fit_mixed(model, y, exog, rows, unit) or _fit_fixed(model, y, within, rows)
+    return _fit_mixed(model, y, fixed, rows, unit) or _fit_fixed(model, y, fixed, own, unit)
 
 
 def compare_conditions(model: LogModel, pairs: Pairs) -> tuple[Ratio, ...]:
@@ -137,23 +136,25 @@ def adjusted_means(model: LogModel, conditions: tuple[str, ...]) -> dict[str, fl
 
 
 def _lacks_rank(rows: ModelRows, conditions: Floats, positions: Floats) -> bool:
-    base = np.column_stack([rows.participants, conditions])
-    return rank_of(np.column_stack([base, positions])) < rank_of(base) + int(positions.shape[1])
+    both = within(rows, np.column_stack([conditions, positions]))
+    return rank_of(both) < rank_of(within(rows, conditions)) + int(positions.shape[1])
 
 
 def _fit_mixed(
-    model: LogModel, y: Floats, exog: Floats, rows: ModelRows, unit: float
+    model: LogModel, y: Floats, fixed: Floats, rows: ModelRows, unit: float
 ) -> LogModel | None:
     """The mixed fit, or None where the fallback is due.
 
     `unit` is the spread within participants: the fit runs in it, since the library's optimisers
     and its own warnings about boundaries depend on the scale.
     """
-    groups = np.argmax(rows.participants, axis=1)
+    exog = np.column_stack([np.ones(len(y)), fixed])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            fit = MixedLM(y / unit, exog, groups).fit(reml=True, method=["bfgs", "powell", "cg"])
+            fit = MixedLM(y / unit, exog, rows.participants).fit(
+                reml=True, method=["bfgs", "powell", "cg"]
+            )
         except (np.linalg.LinAlgError, ValueError, ZeroDivisionError):
             return None
     size = exog.shape[1]
@@ -172,24 +173,23 @@ def _fit_mixed(
     )
 
 
-def _fit_fixed(model: LogModel, y: Floats, within: Floats, rows: ModelRows) -> LogModel:
-    """Least squares with participants as fixed effects; the intercept is their mean."""
-    people = rows.participants.shape[1]
-    solution = np.linalg.lstsq(within, y, rcond=None)[0]
-    rest = y - within @ solution
-    variance = float(rest @ rest) / model.df
-    covariance = variance * np.linalg.pinv(within.T @ within)
-    size = len(model.columns)
-    to_mean = np.zeros((size, within.shape[1]))
-    to_mean[0, :people] = 1 / people
-    to_mean[1:, people:] = np.eye(size - 1)
+def _fit_fixed(model: LogModel, y: Floats, fixed: Floats, own: Floats, unit: float) -> LogModel:
+    """Least squares with participants as fixed effects; the intercept is their mean.
+
+    `own` are the columns of `fixed` as deviations within participants, `unit` the residual SD.
+    """
+    slopes = np.linalg.lstsq(own, y, rcond=None)[0]
+    spread = unit**2 * np.linalg.pinv(own.T @ own)
+    middle = fixed.mean(axis=0)
+    toward = -spread @ middle
+    corner = unit**2 / len(y) + middle @ spread @ middle
     return replace(
         model,
         method="fixed",
         reason="the mixed model's fit was singular, so participants are fixed effects",
-        coefficients=to_mean @ solution,
-        covariance=to_mean @ covariance @ to_mean.T,
-        residual_sd=variance**0.5,
+        coefficients=np.concatenate([[y.mean() - middle @ slopes], slopes]),
+        covariance=np.block([[corner, toward[np.newaxis, :]], [toward[:, np.newaxis], spread]]),
+        residual_sd=unit,
     )
 
 

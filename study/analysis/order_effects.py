@@ -13,8 +13,8 @@ import numpy as np
 from scipy import stats
 
 from study.analysis.descriptives import has_spread
-from study.analysis.designs import Design, Floats, Untestable, require
-from study.analysis.model_matrices import describe_rows, rank_of
+from study.analysis.designs import Design, Untestable, require
+from study.analysis.model_matrices import describe_rows, left_over, rank_of, within
 
 
 @dataclass(frozen=True)
@@ -50,17 +50,20 @@ def _add_columns(design: Design, what: str, logarithms: bool) -> NestedTest:
     if logarithms and np.any(rows.values <= 0):
         raise Untestable(f"{design.measure} has values of 0 or less, which have no logarithm")
     y = np.log(rows.values) if logarithms else rows.values
-    small = np.column_stack([rows.participants, rows.conditions])
+    small = rows.conditions
     added = rows.positions
     if what != "position":
         small, added = np.column_stack([small, rows.positions]), rows.previous
-    large = np.column_stack([small, added])
-    df, df_error = rank_of(large) - rank_of(small), len(y) - rank_of(large)
+    large = within(rows, np.column_stack([small, added]))
+    small = within(rows, small)
+    df = rank_of(large) - rank_of(small)
+    df_error = len(y) - design.n - rank_of(large)
     if df < 1:
         raise Untestable(f"{what} cannot be told apart from the rest in these orders")
     if df_error < 1:
         raise Untestable(f"too few participants to estimate the effect of {what}")
-    left_small, left_large = _left_over(small, y), _left_over(large, y)
+    own = within(rows, y[:, np.newaxis])[:, 0]
+    left_small, left_large = left_over(small, own), left_over(large, own)
     if not has_spread(left_large, y):
         raise Untestable("nothing varies within participants beyond condition and position")
     error = float(left_large @ left_large)
@@ -78,8 +81,3 @@ def _add_columns(design: Design, what: str, logarithms: bool) -> NestedTest:
         p=float(stats.f.sf(f, df, df_error)),
         partial_eta_squared=gain / (gain + error),
     )
-
-
-def _left_over(matrix: Floats, y: Floats) -> Floats:
-    solution = np.linalg.lstsq(matrix, y, rcond=None)[0]
-    return np.asarray(y - matrix @ solution, np.float64)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from study.analysis.cases import label_condition
 from study.analysis.descriptives import summarise
 from study.analysis.designs import Design
 from study.analysis.drawing import INK, SOFT, Chart, finish_chart, new_figure, style_of
-from study.analysis.wording import mark_title
+from study.analysis.wording import mark_title, unformatted
 
 ASIDE = 0.13
 HEADER = ("participant", "condition", "value")
@@ -19,9 +21,13 @@ def draw_pairs(design: Design, *, title: str, y_label: str, mark: str) -> Chart:
     """
     figure, (axis,) = new_figure(3.5, 3.6)
     places = range(len(design.conditions))
-    faint = max(0.12, min(0.55, 12 / design.n))
-    for values in design.values:
-        axis.plot(places, values, color=SOFT, alpha=faint, linewidth=0.8, marker="o", markersize=2)
+    faint = max(0.15, min(0.6, 20 / design.n))
+    gap = np.full((design.n, 1), np.nan)  # all lines are one, with breaks: quick for thousands
+    along = np.broadcast_to(np.array([*places, np.nan]), (design.n, len(places) + 1))
+    axis.plot(
+        along.ravel(), np.hstack([design.values, gap]).ravel(), color=SOFT, alpha=faint,
+        linewidth=0.8, marker="o", markersize=2,
+    )  # fmt: skip
     for place, name in zip(places, design.conditions, strict=True):
         style, found = style_of(name, place), summarise(design.column(name))
         low, mean, high = found.low, float(found.mean or 0.0), found.high
@@ -30,7 +36,9 @@ def draw_pairs(design: Design, *, title: str, y_label: str, mark: str) -> Chart:
             [place + ASIDE], [mean], yerr=reach, color=style.colour, marker="D", markersize=6,
             capsize=4, linewidth=1.8, zorder=5, markeredgecolor="white",
         )  # fmt: skip
-    axis.set_xticks(list(places), [label_condition(name) for name in design.conditions])
+    axis.set_xticks(
+        list(places), [unformatted(label_condition(name)) for name in design.conditions]
+    )
     axis.tick_params(axis="x", colors=INK, length=0)
     axis.set_xlim(-0.4, len(design.conditions) - 0.6)
     axis.grid(visible=False, axis="x")

@@ -12,6 +12,7 @@ from study.analysis.designs import choose_pairs
 from study.analysis.mixed import Ratio
 from study.analysis.report_items import run_items
 from study.analysis.report_order import run_order
+from study.analysis.report_parts import word_gaps
 from study.analysis.report_people import describe_people
 from study.analysis.report_power import describe_power
 from study.analysis.report_primary import run_primary
@@ -63,6 +64,7 @@ def build_report(data: StudyData, planned_n: int | None = None) -> Report:
     secondary = run_secondary(data, designs, pairs)
     items = run_items(data, pairs)
     order = run_order(data, designs)
+    parts = (primary, secondary, items, order)
     return Report(
         study_id=data.study_id,
         mode=data.mode,
@@ -72,7 +74,10 @@ def build_report(data: StudyData, planned_n: int | None = None) -> Report:
         joined=len(data.people),
         excluded=len(data.people) - len(data.counted),
         analysed=designs["sum_wait_s"].n,
-        findings=(*primary.findings, *secondary.findings, *items.findings, *order.findings),
+        findings=(
+            *(told for part in parts for told in part.findings),
+            *word_gaps([gap for part in parts for gap in part.gaps]),
+        ),
         ratios=primary.ratios,
         sections=(
             describe_people(data),

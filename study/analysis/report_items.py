@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 
-from study.analysis.cases import Item, StudyData, correction_family, item_design, label_condition
+from study.analysis.cases import (
+    Item,
+    StudyData,
+    correction_family,
+    item_design,
+    label_condition,
+    scale_points,
+)
 from study.analysis.descriptives import summarise
 from study.analysis.designs import Design, Pairs
 from study.analysis.item_bars import ItemScale, draw_items, mark_of
 from study.analysis.likert import SEED, ItemPair, ItemRanking, compare_items, rank_items
-from study.analysis.report_parts import UNPLANNED, Tested
+from study.analysis.report_parts import UNPLANNED, Gap, Tested, word_gaps
 from study.analysis.report_team import SUMMARY_FIELDS, SUMMARY_VIEWS
 from study.analysis.sheets import Picture, RowsBehind, Section, Sheet, View, make_sheet
-from study.analysis.wording import ALPHA, equals, interval
+from study.analysis.wording import ALPHA, equals, interval, number, unformatted
 
 HEADING = "Questionnaire"
 LEGEND = "* p < 0.05, ** p < 0.01 (Wilcoxon signed-rank, Holm over the planned contrasts)"
@@ -24,16 +32,17 @@ _ITEM = View("Item", "text", ("item",))
 def run_items(data: StudyData, pairs: Pairs) -> Tested:
     """Friedman's test per item, Wilcoxon's per item and planned contrast, and the bars."""
     if not data.rated_items:
-        missing = "Questionnaire: no item was answered after a trial."
-        return Tested(Section("items", HEADING, (), (), (missing,)), (missing,))
+        gap = Gap("questionnaire", "no item was answered after a trial")
+        return Tested(Section("items", HEADING, (), (), word_gaps([gap])), (), (gap,))
     designs = {item: item_design(data, item) for item in data.rated_items}
     ranked, compared = rank_items(designs), compare_items(designs, pairs)
     tested = [(one, one.p_holm) for one in compared if one.p_holm is not None]
-    findings = [_word_pair(one) for one, p in tested if p < ALPHA]
-    if tested and not findings:
-        findings = ["Questionnaire: no difference between conditions was shown on any item."]
-    gaps = [f"{one.item}, all conditions: not tested ({one.note})." for one in ranked if one.note]
-    gaps += [f"{_name(one)}: not tested ({one.note})." for one in compared if one.note]
+    findings = _word_ranking(ranked)
+    findings += [_word_pair(one) for one, p in tested if p < ALPHA]
+    if tested and not any(p < ALPHA for _, p in tested):
+        findings.append("No planned contrast showed a difference on any item.")
+    gaps = [Gap(f"{one.item}, all conditions", one.note) for one in ranked if one.note]
+    gaps += [Gap(_name(one), one.note) for one in compared if one.note]
     sentences = (_describe_tests(data), *([] if pairs.planned else [UNPLANNED]))
     blocks: list[Sheet | Picture] = [_describe(data, designs)]
     if any(one.p is not None for one in ranked):
@@ -45,8 +54,8 @@ def run_items(data: StudyData, pairs: Pairs) -> Tested:
         for instrument in dict.fromkeys(item.instrument for item in designs)
         if any(design.n for item, design in designs.items() if item.instrument == instrument)
     ]
-    section = Section("items", HEADING, sentences, tuple(blocks), (*findings, *gaps))
-    return Tested(section, tuple(findings) or ("Questionnaire: nothing could be tested.",))
+    section = Section("items", HEADING, sentences, tuple(blocks), (*findings, *word_gaps(gaps)))
+    return Tested(section, tuple(findings), tuple(gaps))
 
 
 def _describe_tests(data: StudyData) -> str:
@@ -62,6 +71,22 @@ def _describe_tests(data: StudyData) -> str:
         "count as no effect; its interval is a percentile bootstrap over participants "
         f"(seed {SEED})."
     )
+
+
+def _word_ranking(ranked: Sequence[ItemRanking]) -> list[str]:
+    """One sentence for Friedman's tests of all items; none if there was none."""
+    tested = [one for one in ranked if one.p is not None]
+    if not tested:
+        return []
+    found = [one for one in tested if one.p is not None and one.p < ALPHA]
+    if not found:
+        return ["Answers to no item differed between conditions (Friedman's test)."]
+    told = ", ".join(
+        f"{one.item} (χ²({one.df}) = {number(one.chi_squared)}, p {equals(one.p)}, "
+        f"W = {number(one.kendall_w)})"
+        for one in found
+    )
+    return [f"Answers differed between conditions (Friedman's test) on {told}."]
 
 
 def _name(one: ItemPair) -> str:
@@ -157,15 +182,15 @@ def _draw(
     for one in compared:
         if one.instrument == instrument:
             marks.setdefault(one.item, {})[one.first, one.second] = mark_of(one.p_holm)
-    scales = {tuple(label for _, label in item.levels) for item in own}
-    levels = scales.pop() if len(scales) == 1 else ()
+    scales = {scale_points(item) for item in own}
+    points = scales.pop() if len(scales) == 1 else ()
     chart = draw_items(
         list(own.values()),
         marks,
-        ItemScale(levels, LEGEND),
-        title=f"Answers after each trial: {instrument}",
+        ItemScale(points, LEGEND),
+        title=f"Answers after each trial: {unformatted(instrument)}",
         mark=data.mark,
     )
     wordings = " ".join(f"{item.name}: {item.wording}" for item in own)
     caption = f"Mean answer per item and condition. {WHISKERS} {wordings}"
-    return Picture(f"items_{instrument}", caption, chart, _behind(data, own))
+    return Picture("items_" + re.sub(r"\W", "_", instrument), caption, chart, _behind(data, own))

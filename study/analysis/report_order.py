@@ -9,10 +9,10 @@ import numpy as np
 
 from study.analysis.cases import MEASURES, StudyData
 from study.analysis.descriptives import summarise
-from study.analysis.designs import Design, Untestable
+from study.analysis.designs import Design, Untestable, positive_cases
 from study.analysis.mixed import Ratio, compare_positions, fit_log_model
 from study.analysis.order_effects import NestedTest, check_carry_over, check_position
-from study.analysis.report_parts import Tested, attempt
+from study.analysis.report_parts import Gap, Tested, attempt, word_gaps
 from study.analysis.report_team import SUMMARY_FIELDS, SUMMARY_VIEWS, rows_of
 from study.analysis.sheets import Section, Sheet, View, make_sheet
 from study.analysis.wording import ALPHA, capitalise, equals, number
@@ -26,12 +26,14 @@ def run_order(data: StudyData, designs: Mapping[str, Design]) -> Tested:
     """Did the position matter, or the condition met before? By measure."""
     found: list[NestedTest] = []
     findings: list[str] = []
-    for measure, design in designs.items():
+    gaps: list[Gap] = []
+    for measure, cases in designs.items():
+        design = positive_cases(cases) if measure == PRIMARY else cases
         for check in (check_position, check_carry_over):
             one, missing = _check(measure, design, check)
+            gaps += missing
             found += [one] if one else []
-            findings += [_word(one) if one and one.p < ALPHA else missing]
-    findings = [told for told in findings if told]
+            findings += [_word(one)] if one and one.p < ALPHA else []
     if found and not any(one.p < ALPHA for one in found):
         findings.insert(0, "No effect of position or of the previous condition was shown.")
     how = (
@@ -46,17 +48,17 @@ def run_order(data: StudyData, designs: Mapping[str, Design]) -> Tested:
         blocks.append(_tests(data, designs[PRIMARY], found))
     if ratios := _ratios(designs[PRIMARY]):
         blocks.append(_ratio_sheet(data, designs[PRIMARY], ratios))
-    return Tested(
-        Section("order", HEADING, (how,), tuple(blocks), tuple(findings)), tuple(findings)
-    )
+    told = (*findings, *word_gaps(gaps))
+    section = Section("order", HEADING, (how,), tuple(blocks), told)
+    return Tested(section, tuple(findings), tuple(gaps))
 
 
 def _check(
     measure: str, design: Design, check: Callable[..., NestedTest]
-) -> tuple[NestedTest | None, str]:
+) -> tuple[NestedTest | None, list[Gap]]:
     what = "position" if check is check_position else "carry-over"
     return attempt(
-        f"{capitalise(MEASURES[measure])}, {what}",
+        f"{MEASURES[measure]}, {what}",
         lambda: check(design, logarithms=measure == PRIMARY),
     )
 
@@ -71,7 +73,7 @@ def _word(one: NestedTest) -> str:
 
 def _ratios(design: Design) -> tuple[Ratio, ...]:
     try:
-        return compare_positions(fit_log_model(design))
+        return compare_positions(fit_log_model(positive_cases(design)))
     except Untestable:
         return ()
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
 from study.analysis.designs import Untestable
 from study.analysis.mixed import Ratio
 from study.analysis.sheets import Section
+from study.analysis.wording import capitalise
 
 Found = TypeVar("Found")
 UNPLANNED = (
@@ -18,17 +19,36 @@ UNPLANNED = (
 
 
 @dataclass(frozen=True)
+class Gap:
+    """A test that could not be made, and why."""
+
+    what: str
+    why: str
+
+
+@dataclass(frozen=True)
 class Tested:
-    """A section, and a sentence per finding or per test that could not be made."""
+    """A section, a sentence per finding, and the tests that could not be made."""
 
     section: Section
     findings: tuple[str, ...]
+    gaps: tuple[Gap, ...] = ()
     ratios: tuple[Ratio, ...] = ()
 
 
-def attempt(what: str, test: Callable[[], Found]) -> tuple[Found | None, str]:
-    """The test's result, or None and a sentence that says why there is none."""
+def attempt(what: str, test: Callable[[], Found]) -> tuple[Found | None, list[Gap]]:
+    """The test's result, or None and the gap that it leaves."""
     try:
-        return test(), ""
+        return test(), []
     except Untestable as error:
-        return None, f"{what}: not tested ({error.what})."
+        return None, [Gap(what, error.what)]
+
+
+def word_gaps(gaps: Sequence[Gap]) -> tuple[str, ...]:
+    """A sentence per reason, naming everything that it left untested."""
+    reasons: dict[str, list[str]] = {}
+    for gap in gaps:
+        reasons.setdefault(gap.why, []).append(gap.what)
+    return tuple(
+        f"Not tested, since {why}: {capitalise('; '.join(what))}." for why, what in reasons.items()
+    )

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from study.analysis.cases import StudyData, label_condition
-from study.analysis.designs import Design, Pairs
+from study.analysis.designs import Design, Pairs, positive_cases
 from study.analysis.mixed import LogModel, Ratio, adjusted_means, compare_conditions, fit_log_model
-from study.analysis.report_parts import UNPLANNED, Tested, attempt
+from study.analysis.report_parts import UNPLANNED, Tested, attempt, word_gaps
 from study.analysis.report_team import rows_of
 from study.analysis.sheets import Section, Sheet, View, make_sheet
 from study.analysis.wording import equals, number, verdict
@@ -21,11 +21,17 @@ _RATIO_FIELDS = (
 
 def run_primary(data: StudyData, design: Design, pairs: Pairs) -> Tested:
     """The mixed model of the logarithm of total waiting time."""
-    model, missing = attempt("Total waiting time", lambda: fit_log_model(design))
+    positive = positive_cases(design)
+    model, gaps = attempt("total waiting time", lambda: fit_log_model(positive))
     if model is None:
-        return Tested(Section("primary", HEADING, (), (), (missing,)), (missing,))
+        return Tested(Section("primary", HEADING, (), (), word_gaps(gaps)), (), tuple(gaps))
     ratios = compare_conditions(model, pairs)
     sentences = [_describe_model(model), *([] if pairs.planned else [UNPLANNED])]
+    if zeros := positive.left_out[len(design.left_out) :]:
+        sentences.append(
+            "Left out here, since a value of 0 has no logarithm: "
+            f"{', '.join(one.participant for one in zeros)}."
+        )
     findings = tuple(_word_ratio(ratio) for ratio in ratios)
     rows = [asdict(ratio) | {"n": model.n, "rows": model.rows} for ratio in ratios]
     views = (
@@ -43,16 +49,16 @@ def run_primary(data: StudyData, design: Design, pairs: Pairs) -> Tested:
         rows,
         _RATIO_FIELDS,
         views,
-        rows_of(data, design),
+        rows_of(data, positive),
     )
     section = Section(
         "primary",
         HEADING,
         tuple(sentences),
-        (contrasts, _model_sheet(data, design, model)),
+        (contrasts, _model_sheet(data, positive, model)),
         findings,
     )
-    return Tested(section, findings, ratios)
+    return Tested(section, findings, ratios=ratios)
 
 
 def _describe_model(model: LogModel) -> str:

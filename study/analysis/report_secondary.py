@@ -10,7 +10,7 @@ from study.analysis.anova import Anova, analyse_variance
 from study.analysis.cases import MEASURES, StudyData, label_condition
 from study.analysis.contrasts import PairedComparison, compare_pairs
 from study.analysis.designs import Design, Pairs
-from study.analysis.report_parts import UNPLANNED, Tested, attempt
+from study.analysis.report_parts import UNPLANNED, Gap, Tested, attempt, word_gaps
 from study.analysis.report_team import rows_of
 from study.analysis.sheets import Section, Sheet, View, make_sheet
 from study.analysis.wording import capitalise, equals, interval, number, verdict
@@ -33,14 +33,16 @@ def run_secondary(data: StudyData, designs: dict[str, Design], pairs: Pairs) -> 
     anovas: list[Anova] = []
     compared: list[PairedComparison] = []
     findings: list[str] = []
+    gaps: list[Gap] = []
     for measure in SECONDARY:
         design, what = designs[measure], MEASURES[measure]
-        found, missing = attempt(capitalise(what), partial(analyse_variance, design))
-        findings.append(_word_anova(found) if found else missing)
+        found, missing = attempt(what, partial(analyse_variance, design))
+        gaps += missing
         anovas += [found] if found else []
+        findings += [_word_anova(found)] if found else []
         compared += compare_pairs(design, pairs) if len(design.conditions) > 1 else ()
     findings += [_word_pair(one) for one in compared if one.t is not None and pairs.planned]
-    findings += [_word_note(one) for one in compared if one.note]
+    gaps += [Gap(_name(one), one.note) for one in compared if one.note]
     how = (
         "The paper tests the sum of completion times and calls the slowest robot's time the "
         "team's. Repeated-measures analysis of variance with Greenhouse-Geisser's correction, "
@@ -57,9 +59,9 @@ def run_secondary(data: StudyData, designs: dict[str, Design], pairs: Pairs) -> 
         "Secondary analyses: completion times and the slowest robot",
         sentences,
         tuple(blocks),
-        tuple(findings),
+        (*findings, *word_gaps(gaps)),
     )
-    return Tested(section, tuple(findings))
+    return Tested(section, tuple(findings), tuple(gaps))
 
 
 def _word_anova(found: Anova) -> str:
@@ -72,20 +74,16 @@ def _word_anova(found: Anova) -> str:
     )
 
 
+def _name(one: PairedComparison) -> str:
+    pair = f"{label_condition(one.first)} minus {label_condition(one.second)}"
+    return f"{MEASURES[one.measure]}, {pair}"
+
+
 def _word_pair(one: PairedComparison) -> str:
-    what = MEASURES[one.measure]
     return (
-        f"{capitalise(what)}, {label_condition(one.first)} minus "
-        f"{label_condition(one.second)}: {interval((one.difference, one.low, one.high))} s, "
+        f"{capitalise(_name(one))}: {interval((one.difference, one.low, one.high))} s, "
         f"t({one.df}) = {number(one.t)}, p {equals(one.p_holm)} after Holm, "
         f"dz = {interval((one.dz, one.dz_low, one.dz_high))}: {verdict(one.p_holm)}."
-    )
-
-
-def _word_note(one: PairedComparison) -> str:
-    return (
-        f"{capitalise(MEASURES[one.measure])}, {label_condition(one.first)} minus "
-        f"{label_condition(one.second)}: {one.note}."
     )
 
 

@@ -10,7 +10,7 @@ from study.analysis.designs import Design
 from study.analysis.histograms import draw_histogram
 from study.analysis.paired_lines import draw_pairs
 from study.analysis.sheets import Picture, RowsBehind, Section, Sheet, View, make_sheet
-from study.analysis.wording import capitalise, mark_title
+from study.analysis.wording import capitalise, mark_title, unformatted
 
 SUMMARY_FIELDS = (
     "n", "mean", "sd", "low", "high", "median", "lower_quartile", "upper_quartile", "smallest",
@@ -56,7 +56,7 @@ def describe_team(data: StudyData, designs: dict[str, Design]) -> Section:
         x_label="total waiting time (s)",
         y_label="trials",
         mark="",
-        labels={name: label_condition(name) for name in wait.conditions},
+        labels={name: unformatted(label_condition(name)) for name in wait.conditions},
     )
     pictures = [
         Picture(

@@ -61,6 +61,11 @@ def mark_title(title: str, mark: str) -> str:
     return f"{title}\n{mark}" if mark else title
 
 
+def unformatted(text: str) -> str:
+    """The text as a figure's label that the drawing library does not take for a formula."""
+    return text.replace("$", r"\$")
+
+
 def capitalise(text: str) -> str:
     """The text with its first letter as a capital, the rest untouched."""
     return text[:1].upper() + text[1:]

@@ -133,6 +133,8 @@ def test_cameras_follow_keys_wheel_and_clicks(desk: Page) -> None:
     for mode in ("free", "worker", "above"):
         desk.keyboard.press("v")
         expect(desk.locator("#stage")).to_have_attribute("data-camera", mode)
+    frames = int(desk.locator("#stage").get_attribute("data-frames") or 0)
+    desk.wait_for_function("before => Number(stage.dataset.frames) > before + 1", arg=frames)
     row = desk.locator("tr.chosen")
     expect(row).to_have_attribute("data-agent", "0")
     station = desk.locator("#stage > .view").bounding_box()

@@ -1,8 +1,8 @@
 // Listens to the trial page's sockets from outside: what the server said and what was sent.
-// Kept as window.tap: sockets, welcomes, phases and the human's place by tick.
+// Kept as window.tap: sockets, welcomes, phases, the human's place by tick, and the displays.
 
 (() => {
-  const tap = { sockets: [], welcomes: [], phases: [], places: [] };
+  const tap = { sockets: [], welcomes: [], phases: [], places: [], displays: [] };
   window.tap = tap;
   const hear = ({ data }) => {
     if (typeof data === "string") {
@@ -12,6 +12,7 @@
       return;
     }
     const view = new DataView(data);
+    if (view.getUint8(0) === 4) tap.displays.push([...new Uint8Array(data)]);
     if (view.getUint8(0) !== 2) return;
     tap.places.push({
       tick: view.getUint32(2, true),

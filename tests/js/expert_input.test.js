@@ -68,8 +68,10 @@ test("a held key toggles once, but moves the cursor on and on", () => {
 
 test("keys that move the camera count by their place and cancel each other out", () => {
   const flight = new HeldFlight();
-  assert.ok(flight.press("KeyW") && flight.press("KeyS") && flight.press("KeyD") && !flight.press("KeyT"));
-  assert.deepEqual(flight.motion, { forward: 0, right: 1, turn: 0, zoom: 0 });
+  for (const code of ["KeyW", "KeyS", "KeyD"]) assert.ok(flight.press(code, 0));
+  assert.ok(!flight.press("KeyT", 0));
+  assert.deepEqual(flight.motion(100), { forward: 1, right: 1, turn: 0, zoom: 0 }, "a tap on S is a station's, not the camera's");
+  assert.deepEqual(flight.motion(400), { forward: 0, right: 1, turn: 0, zoom: 0 });
   flight.releaseAll();
   assert.ok(flight.isIdle);
 });

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from server.analysis import AnalysisOptions, analyze
 from server.export import study_items
 from study.files.demo import paper_study
 from study.records.codebook import CODEBOOK, codebook_rows
@@ -114,3 +115,13 @@ def add_person(
 def blank(table: str) -> dict[str, str]:
     """A row of empty cells."""
     return dict.fromkeys(TABLES[table].header, "")
+
+
+def analyse_bots(where: Path) -> Path:
+    """Analyse 24 bots in a folder, of whom P0005 is excluded and P0002 lost a trial."""
+    bundle = make_bundle(24)
+    bundle.tables["participants"][5] |= {"status": "excluded"}
+    bundle.tables["trials"][7] |= {"status": "timed_out"}
+    bundle.write(where / "bots.zip")
+    analyze(AnalysisOptions(where / "bots.zip", where / "out", planned_n=30))
+    return where

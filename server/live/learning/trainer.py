@@ -16,6 +16,7 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -26,7 +27,7 @@ from study.learning.training import Tables, TrainingOrder, initial_tables, train
 logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
-NICENESS = 10
+NICENESS = 5
 FIRST_WAIT_S = 0.5
 LONGEST_WAIT_S = 60.0
 
@@ -51,6 +52,7 @@ class PoolTrainer:
     """Trains in one process of its own, order by order."""
 
     def __init__(self) -> None:
+        self._context = _Context()
         self._pool: ProcessPoolExecutor | None = None
         self._lock = threading.Lock()
         self._warming: asyncio.Task[None] | None = None
@@ -84,13 +86,11 @@ class PoolTrainer:
             raise
 
     async def stop(self) -> None:
-        """End the process; orders under way are given up."""
+        """End the process, whatever it does; orders under way are given up."""
         if self._warming is not None:
             self._warming.cancel()
             await asyncio.gather(self._warming, return_exceptions=True)
-        pool, self._pool = self._pool, None
-        if pool is not None:
-            await asyncio.to_thread(pool.shutdown, cancel_futures=True)
+        await asyncio.to_thread(self._end)
 
     async def _warm_up(self) -> None:
         try:
@@ -104,7 +104,7 @@ class PoolTrainer:
             if self._pool is None:
                 self._pool = ProcessPoolExecutor(
                     max_workers=1,
-                    mp_context=multiprocessing.get_context("spawn"),
+                    mp_context=self._context,
                     initializer=settle_down,
                 )
             pool = self._pool
@@ -114,11 +114,37 @@ class PoolTrainer:
                 self._pool = None
                 raise
 
+    def _end(self) -> None:
+        with self._lock:
+            pool, self._pool = self._pool, None
+            if pool is not None:
+                pool.shutdown(wait=False, cancel_futures=True)
+                self._context.kill_all()
+
     def _drop(self, pool: ProcessPoolExecutor) -> None:
         with self._lock:
             if self._pool is pool:
                 self._pool = None
         pool.shutdown(wait=False, cancel_futures=True)
+
+
+class _Context(SpawnContext):
+    """Starts processes afresh and knows them, so that they can be ended at any time."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._known: list[SpawnProcess] = []
+
+    def Process(self, *args: Any, **kwargs: Any) -> SpawnProcess:  # type: ignore[override]  # noqa: N802
+        process = SpawnProcess(*args, **kwargs)
+        self._known = [known for known in self._known if known.is_alive()] + [process]
+        return process
+
+    def kill_all(self) -> None:
+        """End every process that was started here."""
+        for process in self._known:
+            if process.is_alive():
+                process.kill()
 
 
 def settle_down() -> None:

@@ -15,7 +15,7 @@ from server.live.wire import Ping, WireError, brief, encode_text, read_field, re
 
 EXPERT_VERSION = 1
 MAX_EXPERT_BYTES = 4096
-MAX_CHANGES = 64
+MAX_CHANGES = 256
 LARGEST = 2**53
 
 _PAGE = re.compile(r"[0-9a-f]{16}")

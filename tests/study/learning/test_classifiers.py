@@ -9,8 +9,12 @@ from sklearn.svm import SVC
 
 from study.errors import InvalidValue
 from study.learning.classifiers import CLASSIFIERS, Cases, Majority, choose_classifier
+from study.learning.dataset import Pair
 from study.learning.domains import DOMAINS, ROBOT_DOMAIN, STATION_DOMAIN, Domain
 from study.learning.examination import ClassifierFailed, examine_classifier
+from study.learning.settings import LearningSettings
+from study.people.learning_run import run_learning
+from study.warehouse.layout import PRESETS, build_layout
 
 Ints = npt.NDArray[np.int64]
 
@@ -55,6 +59,23 @@ def test_weighted_different_rows_train_like_all_rows(domain: Domain, seed: int) 
     plain = SVC(kernel="rbf", C=1.0).fit(domain.features[states], actions)
     table = CLASSIFIERS["svm"].train(domain, counted(domain, states, actions))
     assert table.tolist() == plain.predict(domain.features).tolist()
+
+
+def test_a_real_run_trains_like_all_its_rows() -> None:
+    """The policies of a learning run equal those of scikit-learn's own machine over every pair."""
+    settings = LearningSettings(iterations=60, seed=4)
+    up = run_learning(settings, build_layout(PRESETS["small"]), "cyclic", "person")
+    columns = up.dataset.columns()
+    kinds, states, labels = (
+        columns[:, Pair._fields.index(name)] for name in ("domain", "state", "label")
+    )
+    for at in (25, 60):
+        closed = columns[:, Pair._fields.index("iteration")] < at
+        for number, domain in enumerate(DOMAINS):
+            rows = closed & (kinds == number)
+            plain = SVC(kernel="rbf", C=1.0).fit(domain.features[states[rows]], labels[rows])
+            expected = plain.predict(domain.features).tolist()
+            assert list(up.versions[at].tables[number]) == expected
 
 
 def test_per_element_is_one_machine_for_each_bit() -> None:

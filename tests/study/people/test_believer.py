@@ -150,7 +150,8 @@ def test_every_parameter_has_an_origin() -> None:
 def test_every_parameter_is_used() -> None:
     """A value in the file that nothing reads would promise an effect that it does not have."""
     code = "".join(path.read_text() for path in sorted(PEOPLE.glob("*.py")))
-    assert [name for name in parameters_of("worker") if name not in code] == []
+    for person in ("worker", "expert"):
+        assert [name for name in parameters_of(person) if name not in code] == []
 
 
 def test_a_display_without_its_policy_is_refused() -> None:

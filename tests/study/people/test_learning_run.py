@@ -1,4 +1,4 @@
-"""Guards whole learning runs with the table expert, through the command's own door."""
+"""Guards whole learning runs with simulated experts, through the command's own door."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from study.ar.state_names import ROBOT_STATES, STATION_STATES
 from study.errors import InvalidValue
 from study.learning.discrepancies import REFERENCES
 from study.learning.settings import LearningSettings
-from study.people.learning_run import run_learning
+from study.people.learning_run import EXPERTS, run_learning
 from study.people.table_expert import robot_answer, station_answer
 from study.warehouse.layout import PRESETS, build_layout
 
@@ -51,7 +51,7 @@ def test_the_table_is_learned(seed: int, tmp_path: Path) -> None:
 def test_the_files_of_a_run(tmp_path: Path) -> None:
     """Every version is a readable policy, and the tables hold what they promise."""
     settings = LearningSettings(iterations=8, seed=5)
-    summary = learn(LearningOptions(tmp_path, settings, scale="small", quiet=True))
+    summary = learn(LearningOptions(tmp_path, settings, scale="small", expert="table", quiet=True))
     files = sorted((tmp_path / "policies").iterdir())
     assert [file.name for file in files] == [f"{n:03}.json" for n in range(9)]
     policies = [read_policy_file(file) for file in files]
@@ -73,11 +73,15 @@ def test_the_files_of_a_run(tmp_path: Path) -> None:
     assert all(float(line["hamming_rate"]) == 0.0 for line in floor)
 
 
-def test_the_same_seed_gives_the_same_files_in_another_process(tmp_path: Path) -> None:
+@pytest.mark.parametrize("expert", EXPERTS)
+def test_the_same_seed_gives_the_same_files_in_another_process(expert: str, tmp_path: Path) -> None:
+    """Every file of a run repeats itself byte for byte, twice here and once in another process."""
     settings = LearningSettings(iterations=20, seed=77)
-    learn(LearningOptions(tmp_path / "here", settings, scale="small", quiet=True))
+    for folder in ("here", "again"):
+        options = LearningOptions(tmp_path / folder, settings, "small", expert=expert, quiet=True)
+        learn(options)
     words = ["learn", "--iterations", "20", "--seed", "77", "--scale", "small", "--json"]
-    people = ["--expert", "table", "--worker", "believer", "--out", str(tmp_path / "there")]
+    people = ["--expert", expert, "--worker", "believer", "--out", str(tmp_path / "there")]
     done = subprocess.run(
         [sys.executable, "-c", "from server.cli import main; main()", *words, *people],
         cwd=ROOT,
@@ -88,8 +92,9 @@ def test_the_same_seed_gives_the_same_files_in_another_process(tmp_path: Path) -
     assert done.returncode == 0, done.stderr
     assert list(json.loads(done.stdout.splitlines()[-1])) == SUMMARY
     for here in (tmp_path / "here").rglob("*.*"):
-        there = tmp_path / "there" / here.relative_to(tmp_path / "here")
-        assert here.read_bytes() == there.read_bytes(), here.name
+        for folder in ("again", "there"):
+            other = tmp_path / folder / here.relative_to(tmp_path / "here")
+            assert here.read_bytes() == other.read_bytes(), other
 
 
 @pytest.mark.parametrize("classifier", ["per_element", "majority", "cost_sensitive"])

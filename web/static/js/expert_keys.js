@@ -21,7 +21,10 @@ function obey(run, command) {
   else if (command.type === "camera") run.spectator.chooseNext();
   else if (command.type === "numbers") run.spectator.toggleNumbers();
   else if (command.type === "refit") run.spectator.cameras?.refit();
-  else return run.desk?.run(command) ?? false;
+  else {
+    if (command.type === "row") run.spectator.flight.release("KeyS");
+    return run.desk?.run(command) ?? false;
+  }
   return true;
 }
 
@@ -34,7 +37,7 @@ function press(run, event) {
     if (command?.type === "help") run.help.toggle();
     return;
   }
-  const keepsFlight = isPlain && run.spectator.cameras?.mode !== "worker" && run.spectator.flight.press(event.code);
+  const keepsFlight = isPlain && run.spectator.cameras?.mode !== "worker" && run.spectator.flight.press(event.code, performance.now());
   if (!command) {
     if (keepsFlight) event.preventDefault();
     return;

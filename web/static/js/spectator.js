@@ -135,7 +135,7 @@ export class Spectator {
     const passed_ms = now_ms - this.last_ms || 0;
     this.last_ms = now_ms;
     this.stage.adapt(passed_ms);
-    if (!this.flight.isIdle) cameras.fly(this.flight.motion, Math.min(LONGEST_FRAME_S, passed_ms / 1000), this.size());
+    if (!this.flight.isIdle) cameras.fly(this.flight.motion(now_ms), Math.min(LONGEST_FRAME_S, passed_ms / 1000), this.size());
     const tick = this.tick;
     const human = this.#humanAt(tick);
     const robots = this.snapshots.sample(tick);

@@ -7,17 +7,20 @@ const FLIGHT = /** @type {Record<string, [axis: "forward" | "right" | "turn" | "
   Equal: ["zoom", 1], NumpadAdd: ["zoom", 1], BracketRight: ["zoom", 1], Minus: ["zoom", -1], NumpadSubtract: ["zoom", -1],
 });
 
+/** S also begins a station's number, so it moves the camera only when it is held. */
+const DELAYS_MS = /** @type {Record<string, number>} */ ({ KeyS: 280 });
+
 /** Which way the held keys move the camera. */
 export class HeldFlight {
   constructor() {
-    /** @type {Set<string>} */
-    this.codes = new Set();
+    /** Held keys and since when they count, milliseconds. @type {Map<string, number>} */
+    this.codes = new Map();
   }
 
-  /** @param {string} code @returns {boolean} whether the key moves the camera */
-  press(code) {
+  /** @param {string} code @param {number} now_ms @returns {boolean} whether the key moves the camera */
+  press(code, now_ms) {
     if (!(code in FLIGHT)) return false;
-    this.codes.add(code);
+    if (!this.codes.has(code)) this.codes.set(code, now_ms + (DELAYS_MS[code] ?? 0));
     return true;
   }
 
@@ -30,12 +33,12 @@ export class HeldFlight {
     this.codes.clear();
   }
 
-  /** @returns {{ forward: number, right: number, turn: number, zoom: number }} each -1, 0 or 1 */
-  get motion() {
+  /** @param {number} now_ms @returns {{ forward: number, right: number, turn: number, zoom: number }} each -1, 0 or 1 */
+  motion(now_ms) {
     const motion = { forward: 0, right: 0, turn: 0, zoom: 0 };
-    for (const code of this.codes) {
+    for (const [code, since_ms] of this.codes) {
       const part = FLIGHT[code];
-      if (part) motion[part[0]] += part[1];
+      if (part && now_ms >= since_ms) motion[part[0]] += part[1];
     }
     return motion;
   }

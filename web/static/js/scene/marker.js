@@ -4,7 +4,7 @@ import { DoubleSide, Mesh, MeshBasicMaterial, RingGeometry } from "three";
 import { ORDER } from "./space.js";
 
 const ROBOT_M = 0.62;
-const STATION_M = 1.5;
+const STATION_M = 1.15;
 
 /** White with a dark edge: seen on every floor and against every robot's colour. */
 export class Marker {

@@ -103,7 +103,7 @@ export class CurveChart {
           { ...axis, size: 26, gap: 3, incrs: [1, 2, 5, 10, 20, 25, 50, 100], space: 44 },
           { ...axis, size: 40, gap: 3, space: 24, ...(share ? {} : { incrs: [1, 2, 5, 10, 20, 50, 100] }), values: (_, ticks) => ticks.map((tick) => (share ? `${Math.round(tick * 100)} %` : String(tick))) },
         ],
-        series: [{}, ...named.map(({ name, label }) => ({ label, ...(STYLES[name] ?? { stroke: INK }), show: !this.hidden.has(name), points: { show: (table[0]?.length ?? 0) < 2, size: 6, fill: STYLES[name]?.stroke ?? INK } }))],
+        series: [{}, ...named.map(({ name, label }) => ({ label, ...(STYLES[name] ?? { stroke: INK }), show: !this.hidden.has(name), points: { show: (/** @type {uPlot} */ plot) => (plot.data[0]?.length ?? 0) < 2, size: 6, fill: STYLES[name]?.stroke ?? INK } }))],
       },
       /** @type {uPlot.AlignedData} */ (table),
       this.place,

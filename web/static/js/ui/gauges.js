@@ -45,7 +45,7 @@ export class Gauges {
     const bar = build(document, "dd", { class: "within", "aria-hidden": "true" }, this.bar);
     const counters = build(
       document, "dl", { class: "counters" },
-      counter("iteration", "Iteration", bar), counter("pairs", "Pairs"), counter("beta", "β"), counter("own", "Your setting shows for"),
+      counter("iteration", "Iteration", bar), counter("pairs", "Pairs"), counter("beta", "β, share of your settings"), counter("own", "Agents that show yours"),
     );
     parent.append(build(document, "div", { class: "ring-place" }, this.ring, this.caption), counters);
     this.pairs = NaN;
