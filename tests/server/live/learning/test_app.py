@@ -25,7 +25,7 @@ from server.signin import COOKIE
 from server.store.engine import Database
 from server.store.schema import migrate
 from server.store.users import find_user, store_user
-from study.config import paper_study
+from study.files.demo import paper_study
 from study.learning.settings import LearningSettings
 from tests.server.live.learning.lab import ANNA, BEN
 
