@@ -25,7 +25,7 @@ RULE = (
     "whatever page the participation ended on. Excluded participants never count. Nothing is "
     "filled in."
 )
-_ONCE = {"choice", "number", "scale", "likert", "slider"}
+_ONCE = {"choice", "number", "scale", "rating", "slider"}
 _UNASKED = {"browser_check"}
 
 
@@ -38,6 +38,12 @@ def describe_people(data: StudyData) -> Section:
         f"excluded; {count(design.n, 'participant')} with complete data for the team measures."
     )
     sentences = [capitalise(told), RULE]
+    if data.marked_people or data.marked_trials:
+        marked = (
+            f"{count(data.marked_people, 'participant')} and {count(data.marked_trials, 'trial')}"
+        )
+        fate = "counted here all the same, as was asked" if data.keeps_marked else "left out"
+        sentences.append(f"Exclusion rules of the study mark {marked}; what they mark is {fate}.")
     if len(data.versions) > 1:
         sentences.append(
             f"The participants joined {len(data.versions)} versions of the study "

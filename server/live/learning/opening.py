@@ -131,6 +131,7 @@ def open_room(trial: OpenTrial, scene: Scene, clock: Clock) -> LearningRoom:
     number = max((event.number for event in trial.events), default=-1) + 1
     recorder = JournalRecorder(world.tick + 1, last_seq)
     chronicle = Chronicle(setup.trial_id, world, clock, recorder, number)
+    chronicle.recall(journal, trial.events)
     chronicle.note("opened", {"resumed": world.tick > 0})
     if world.tick == 0:
         chronicle.add_display(scene.session.display)

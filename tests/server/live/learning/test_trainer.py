@@ -91,6 +91,9 @@ async def test_no_tick_waits_for_a_training(trainer: PoolTrainer) -> None:
         def advance(self) -> None:
             self.ticks += 1
 
+        def note_late(self, late_s: float) -> None:
+            pass
+
         def note_lag(self, lost_s: float) -> None:
             raise AssertionError(f"{lost_s} s were given up")
 
