@@ -30,9 +30,9 @@ from server.live.clock import SystemClock
 from server.live.compiling import choose_cache, load_kernels, settle_memory
 from server.live.endpoint import LiveEndpoint
 from server.live.hall import Hall
+from server.live.lateness import Lateness
 from server.live.line import LineProtocol
 from server.live.ports import OpenTrial, TrialBatch, TrialResult, TrialSetup
-from server.live.ticker import Lateness
 from server.policy_files import shipped_policy
 from server.store.bench import add_bench_trials
 from server.store.engine import Database

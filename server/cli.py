@@ -136,18 +136,26 @@ app.command()(evaluate)
 @app.command()
 def export(
     study: Annotated[str, typer.Option(help="The study's id, as in /s/<id>.")],
-    out: Annotated[Path, typer.Option(help="The zip to write.")],
+    out: Annotated[Path, typer.Option(help="The zip to write, - for stdout.")],
     mode: Annotated[Mode | None, typer.Option(help="Only these participants; default all.")] = None,
+    telemetry: Annotated[
+        bool, typer.Option(help="Also where each person was, five times a second.")
+    ] = False,
+    panel_ids: Annotated[
+        bool, typer.Option(help="Also what the recruitment panel calls each person.")
+    ] = False,
     database_url: DatabaseUrl = None,
     as_json: AsJson = False,
 ) -> None:
-    """Write the data of a study as tidy CSV tables in one zip."""
-    from server.export import write_export
+    """Write the data of a study as tidy CSV tables in one zip; `--out -` is standard output."""
+    from server.export import STDOUT, ExportOptions, write_export
 
     settings = read_settings(database_url=database_url)
     require_database(settings)
-    counts = asyncio.run(write_export(settings, study, mode.value if mode else None, out))
-    report({"file": str(out), **counts}, as_json)
+    options = ExportOptions(study, mode.value if mode else None, telemetry, panel_ids)
+    counts = asyncio.run(write_export(settings, options, out))
+    if out != STDOUT:
+        report({"file": str(out), **counts}, as_json)
 
 
 app.command()(analyze)

@@ -77,3 +77,14 @@ def bench_headless(
     from server.bench_headless import measure_headless
 
     report(measure_headless(repeats, trials, table_trials, workers), as_json)
+
+
+@bench.command("export")
+def bench_export(
+    participants: Annotated[int, typer.Option(min=1, help="With three trials each.")] = 1000,
+    as_json: AsJson = False,
+) -> None:
+    """Time and peak memory of exporting a large study; a minute or two for 1000 participants."""
+    from server.bench_export import measure_export
+
+    report(measure_export(participants), as_json)

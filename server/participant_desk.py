@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from server.store.engine import Database
-from server.store.moves import end_idle, move
+from server.store.moves import end_idle, move, pause_absent, welcome_back
 from server.store.participants import (
     NewParticipant,
     ParticipantRecord,
@@ -91,6 +91,9 @@ class ParticipantDesk:
         async with self.database.writing() as session:
             participant = await find_participant(session, token)
             await note_shown(session, participant.id, self.clock())
+            if participant.progress.life.status == "paused":
+                participant = await find_participant(session, token, lock=True)
+                await welcome_back(session, [participant], self.clock())
         return Visit(participant, await self._study_of(participant))
 
     async def look_up(self, token: str) -> Visit:
@@ -132,11 +135,12 @@ class ParticipantDesk:
             await move(session, visit.study, participant, Withdrawal(), self.clock())
 
     async def sweep(self) -> int:
-        """End participations that have been idle for too long; returns how many."""
+        """End participations idle for too long, note who is away; returns how many ended."""
         ended = 0
         for study in self.studies.values():
             async with self.database.writing() as session:
                 ended += await end_idle(session, study, self.clock())
+                await pause_absent(session, study, self.clock())
         return ended
 
     async def _study_of(self, participant: ParticipantRecord) -> Study:

@@ -13,7 +13,7 @@ from server.live.ports import Kind, OpenTrial, TrialBatch, TrialResult, TrialSet
 from server.store.engine import Database
 from server.store.journals import add_batches, lock_open, read_journal
 from server.store.learning import add_rows, read_run
-from server.store.moves import move
+from server.store.moves import move, welcome_back, welcome_players
 from server.store.participants import (
     ParticipantRecord,
     find_participant,
@@ -24,6 +24,7 @@ from server.store.policies import find_active, keep_policy, read_policies
 from server.store.studies import read_version
 from server.store.trials import (
     TrialRecord,
+    UnknownTrial,
     add_trial,
     find_trial,
     read_trial,
@@ -82,6 +83,7 @@ class StoredTrialDesk:
             if participant.mode == "live" and self.time_scale != 1.0:
                 raise NotAllowedLive(f"a time scale of {self.time_scale:g}")
             await note_shown(session, participant.id, now)
+            await welcome_back(session, [participant], now)
             attempt = participant.progress.practice_tries + 1 if step == "practice" else 1
             trial = await find_trial(session, participant.id, step, attempt)
             if trial is None:
@@ -102,6 +104,7 @@ class StoredTrialDesk:
             open_ids = await lock_open(session, [batch.trial_id for batch in batches])
             wanted = [batch for batch in batches if batch.trial_id in open_ids]
             await add_batches(session, wanted, self.clock())
+            await welcome_players(session, open_ids, self.clock())
             for batch in wanted:
                 if batch.learning is not None:
                     await add_rows(session, batch.learning, self.clock())
@@ -114,7 +117,10 @@ class StoredTrialDesk:
         """
         now = self.clock()
         async with self.database.writing() as session:
-            owner = await read_trial(session, trial_id)
+            try:
+                owner = await read_trial(session, trial_id)
+            except UnknownTrial:
+                return  # its participant's data were erased meanwhile
             participant = None
             if owner.participant_id is not None:
                 participant = await read_participant(session, owner.participant_id, lock=True)

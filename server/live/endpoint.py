@@ -57,6 +57,10 @@ class JoinedRoom(Protocol):
         """The graphics context changed."""
         ...
 
+    def take_quality(self, message: wire.Quality) -> None:
+        """The client tells how the picture and the connection are."""
+        ...
+
     def take_ping(self) -> None:
         """The client is alive."""
         ...
@@ -187,5 +191,7 @@ class Session:
         elif room is not None:
             if isinstance(message, wire.Attention):
                 room.take_attention(message)
+            elif isinstance(message, wire.Quality):
+                room.take_quality(message)
             else:
                 room.take_context(message)

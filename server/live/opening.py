@@ -40,6 +40,7 @@ async def open_room(opened: OpenTrial, clock: Clock) -> Room:
     number = max((event.number for event in opened.events), default=-1) + 1
     recorder = JournalRecorder(world.tick + 1, last_seq)
     chronicle = Chronicle(setup.trial_id, world, clock, recorder, number)
+    chronicle.recall(opened.journal, opened.events)
     chronicle.note("opened", {"resumed": world.tick > 0})
     if world.tick == 0:
         chronicle.add_display(display.display)

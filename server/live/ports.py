@@ -16,6 +16,7 @@ if TYPE_CHECKING:  # the web process loads the compiled world only after it answ
     from study.learning.policy import Policy
     from study.records.events import JournalEvent
     from study.records.journal import JournalChunk
+    from study.records.quality import TrialQuality
     from study.warehouse.layout import HallSpec
     from study.warehouse.measures import TrialMeasures
 
@@ -89,6 +90,7 @@ class TrialResult:
     state_hash: bytes
     ended_at_utc: datetime
     measures: TrialMeasures
+    quality: TrialQuality | None = None
 
 
 class TrialDesk(Protocol):

@@ -133,6 +133,11 @@ class Room:
         self._presence.hear()
         self._chronicle.note_client("context", {"lost": message.lost})
 
+    def take_quality(self, message: wire.Quality) -> None:
+        """Store what the page measured of its picture and connection."""
+        self._presence.hear()
+        self._chronicle.note_quality(message)
+
     def take_ping(self) -> None:
         """The page is alive; a world that paused because it was silent goes on."""
         self._presence.hear()
@@ -183,6 +188,11 @@ class Room:
         """The server was late for so long that it did not make it up."""
         if self.phase == "running":
             self._chronicle.note("lagged", {"lost_s": round(lost_s, 3)})
+
+    def note_late(self, late_s: float) -> None:
+        """The tick that comes now is so much later than it should be."""
+        if self.phase == "running":
+            self._chronicle.lateness.add(late_s)
 
     def resume(self, absent_s: float, was_abandoned: bool) -> None:
         """The trial was reopened from its journal; nobody had been there for so long.
@@ -249,11 +259,11 @@ class Room:
         self._audience.send_snapshot(self._inbox.acknowledged_seq)
 
     def _finish(self, reason: PhaseReason, outcome: Outcome) -> None:
-        world = self.world
+        world, now = self.world, self._clock.utc()
+        quality = self._chronicle.close()
         self.result = TrialResult(
-            outcome, world.tick, world.state_hash(), self._clock.utc(), world.measures()
+            outcome, world.tick, world.state_hash(), now, world.measures(), quality
         )
-        self._chronicle.close()
         self._change_phase("finished", reason)
 
     def _change_phase(self, phase: PhaseName, reason: PhaseReason) -> None:

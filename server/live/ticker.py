@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from typing import Protocol
 
 from server.live.clock import Clock
+from server.live.lateness import Lateness
 from server.live.wire import TICK_HZ
 
 logger = logging.getLogger(__name__)
@@ -19,8 +20,6 @@ logger = logging.getLogger(__name__)
 GROUPS = 4
 SLOT_S = 1.0 / (TICK_HZ * GROUPS)
 MAX_CATCH_UP_S = 0.5
-BUCKET_MS = 0.25
-BUCKETS = 400
 
 
 class Ticked(Protocol):
@@ -34,35 +33,9 @@ class Ticked(Protocol):
         """So much time was given up."""
         ...
 
-
-class Lateness:
-    """How late ticks were: a histogram in steps of 0.25 ms up to 100 ms, and what lies beyond."""
-
-    def __init__(self) -> None:
-        self.counts = [0] * (BUCKETS + 1)
-        self.worst_s = 0.0
-        self.lost_s = 0.0
-
-    def add(self, late_s: float, ticks: int = 1) -> None:
-        """Count `ticks` that were `late_s` late."""
-        bucket = int(late_s * (1000.0 / BUCKET_MS)) if late_s > 0 else 0
-        self.counts[min(bucket, BUCKETS)] += ticks
-        self.worst_s = max(self.worst_s, late_s)
-
-    @property
-    def total(self) -> int:
-        """Ticks counted."""
-        return sum(self.counts)
-
-    def quantile_ms(self, share: float) -> float:
-        """The lateness that `share` of the ticks did not exceed (upper border of its bucket)."""
-        wanted = share * self.total
-        seen = 0
-        for bucket, count in enumerate(self.counts):
-            seen += count
-            if count and seen >= wanted:
-                return (bucket + 1) * BUCKET_MS if bucket < BUCKETS else self.worst_s * 1000.0
-        return 0.0
+    def note_late(self, late_s: float) -> None:
+        """The tick that comes now is so much later than it should be."""
+        ...
 
 
 class Ticker:
@@ -109,8 +82,10 @@ class Ticker:
             self._give_up(late_s)
         group = self._groups[self._slot % GROUPS]
         for room in tuple(group):
-            self.lateness.add(self._clock.now_s() - self._next_s)
+            room_late_s = self._clock.now_s() - self._next_s
+            self.lateness.add(room_late_s)
             try:
+                room.note_late(room_late_s)
                 room.advance()
             except Exception as problem:
                 logger.exception("a trial failed in its tick")

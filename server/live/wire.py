@@ -23,6 +23,8 @@ MAX_CLIENT_BYTES = 256
 NOT_FINITE = (math.inf, -math.inf)
 MAX_INPUT_FRAMES = 8
 ALL_KEYS = 15
+MAX_FIGURES = 8
+HIGHEST_FIGURE = 100_000
 SILENT_AFTER_S = 0.25
 
 INPUT, SNAPSHOT, PLAN, DISPLAY = 1, 2, 3, 4
@@ -95,6 +97,21 @@ class Context:
 
 
 @dataclass(frozen=True, slots=True)
+class Quality:
+    """What the page measured since its last report: frame rates, round trips, long frames."""
+
+    fps: tuple[float, ...]
+    rtt_ms: tuple[float, ...]
+    long_frames: int
+    longest_frame_ms: float
+
+    def __post_init__(self) -> None:
+        for figure in (self.long_frames, self.longest_frame_ms):
+            if not 0 <= figure <= HIGHEST_FIGURE:
+                raise WireError(f"figures from 0 to {HIGHEST_FIGURE}", _brief(figure))
+
+
+@dataclass(frozen=True, slots=True)
 class Input:
     """Successive input frames (key bits, yaw in 65536ths of a turn), numbered from `first_seq`."""
 
@@ -102,7 +119,7 @@ class Input:
     frames: tuple[tuple[int, int], ...]
 
 
-TextMessage = Hello | Ready | Ping | Attention | Context
+TextMessage = Hello | Ready | Ping | Attention | Context | Quality
 
 _TEXT_TYPES: Mapping[str, tuple[type[TextMessage], Mapping[str, type]]] = {
     "hello": (Hello, {"version": int}),
@@ -110,6 +127,10 @@ _TEXT_TYPES: Mapping[str, tuple[type[TextMessage], Mapping[str, type]]] = {
     "ping": (Ping, {"sent_ms": float}),
     "attention": (Attention, {"visible": bool, "focused": bool, "locked": bool}),
     "context": (Context, {"lost": bool}),
+    "quality": (
+        Quality,
+        {"fps": tuple, "rtt_ms": tuple, "long_frames": int, "longest_frame_ms": float},
+    ),
 }
 
 
@@ -138,11 +159,24 @@ def read_record(text: str, longest: int, types: Collection[str]) -> tuple[str, M
 def read_field(name: str, record: Mapping[str, Any], field: str, type_: type) -> Any:
     """A field of a message, of just this type; finite numbers only."""
     value = record.get(field)
+    if type_ is tuple:
+        return _read_figures(name, field, value)
     if type_ is float and type(value) is int and abs(value) < 2**53:
         return float(value)
     if type(value) is type_ and value not in NOT_FINITE and value == value:
         return value
     raise WireError(f"{name}.{field} as {type_.__name__}", brief(value))
+
+
+def _read_figures(name: str, field: str, value: object) -> tuple[float, ...]:
+    """A short list of plain figures from 0 up."""
+    figures: list[Any] = value if isinstance(value, list) else [None]
+    if len(figures) > MAX_FIGURES or not all(
+        type(figure) in (int, float) and 0 <= figure <= HIGHEST_FIGURE for figure in figures
+    ):
+        wanted = f"up to {MAX_FIGURES} figures from 0 to {HIGHEST_FIGURE}"
+        raise WireError(f"{name}.{field} as {wanted}", brief(value))
+    return tuple(map(float, figures))
 
 
 def brief(value: object) -> str:

@@ -8,10 +8,11 @@ from fastapi import APIRouter
 from starlette.responses import Response, StreamingResponse
 
 from server.deps import AdminDep, ServicesDep
-from server.export import MODES, stream_export
+from server.export import MODES, ExportOptions
+from server.export_process import begin_export
 from server.pages.rendering import moment
 from server.policy_desk import needs_confirmation
-from server.store.participants import ParticipantRecord, count_by_outcome, list_participants
+from server.store.participants import ParticipantRecord, count_by_status, list_participants
 from server.store.users import add_audit
 from server.trial_desk import utc_now
 from study.config import Study
@@ -32,11 +33,11 @@ async def show_participants(
         records, total = await list_participants(
             session, shown.study_id, offset=(page - 1) * PAGE_ROWS, limit=PAGE_ROWS
         )
-        outcomes = await count_by_outcome(session)
+        statuses = await count_by_status(session)
     counts: dict[str, int] = {}
-    for (study_id, mode, outcome), number in sorted(outcomes.items()):
+    for (study_id, mode, status), number in sorted(statuses.items()):
         if study_id == shown.study_id:
-            counts[f"{mode}, {outcome}"] = number
+            counts[f"{mode}, {status}"] = number
     values = {
         "user": user,
         "study": shown,
@@ -63,9 +64,11 @@ async def download_export(
     async with services.database.writing() as session:
         detail = f"{shown.study_id}, {mode or 'all modes'}"
         await add_audit(session, user.name, "export downloaded", detail, utc_now())
+    options = ExportOptions(shown.study_id, mode or None)
+    pieces = await begin_export(services.settings, options)
     name = f"{shown.study_id}-{mode or 'all'}-{utc_now():%Y%m%dT%H%M%SZ}.zip"
     return StreamingResponse(
-        stream_export(services.database, shown.study_id, mode or None),
+        pieces,
         media_type="application/zip",
         headers={"Content-Disposition": f'attachment; filename="{name}"'},
     )
@@ -101,7 +104,7 @@ def _row(record: ParticipantRecord, study: Study) -> dict[str, Any]:
         "code": record.code,
         "mode": record.mode,
         "step": record.progress.step,
-        "status": record.progress.outcome or "active",
+        "status": record.progress.life.status,
         "order": order,
         "joined": moment(record.joined_at),
         "seen": moment(record.seen_at),

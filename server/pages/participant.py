@@ -42,7 +42,7 @@ async def show_step(token: str, desk: DeskDep, renderer: RendererDep) -> Respons
 async def ask_to_withdraw(token: str, desk: DeskDep, renderer: RendererDep) -> Response:
     """The page that asks before withdrawing; one who has withdrawn is led to the end."""
     visit = await desk.look_up(token)
-    if visit.participant.progress.outcome not in (None, "completed"):
+    if visit.participant.progress.outcome == "withdrawn":
         return _go(f"/p/{token}")
     return _render(renderer, view_withdrawal(visit, f"/p/{token}"))
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 from server.participant_desk import Visit
 from study.config import Study
 from study.protocol.device import FIELDS
 from study.protocol.displays import SHOWN, display_label
 from study.protocol.flow import step_kind
+from study.protocol.lifecycle import OUTCOMES, Outcome
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ def view_step(visit: Visit, address: str, typed: Typed = NOTHING_TYPED) -> View:
     """The page of the participant's current step, with what was typed if a form came back."""
     step = visit.participant.progress.page
     values = frame_values(visit, address) | {"step": step}
-    if step in visit.study.completion_codes or step == "debrief":
+    if step in OUTCOMES or step == "debrief":
         return View("ended.html", values | _ended_values(visit))
     kind, position = step_kind(step)
     if kind in ("practice", "trial"):
@@ -63,12 +64,12 @@ def view_withdrawal(visit: Visit, address: str) -> View:
 def frame_values(visit: Visit, address: str) -> dict[str, Any]:
     """What every participant page needs."""
     progress, plan = visit.participant.progress, visit.study.plan
-    early = progress.outcome not in (None, "completed")
+    early = progress.page in OUTCOMES
     return {
         "study": visit.study,
         "address": address,
         "code": visit.participant.code,
-        "can_withdraw": progress.outcome in (None, "completed"),
+        "can_withdraw": progress.outcome != "withdrawn",
         "ended": progress.outcome is not None,
         "progress": None
         if early
@@ -118,18 +119,19 @@ def _explanation_values(visit: Visit, position: int) -> dict[str, Any]:
 
 
 def _ended_values(visit: Visit) -> dict[str, Any]:
-    outcome = visit.participant.progress.outcome or "completed"
+    outcome = cast("Outcome", visit.participant.progress.life.told)
     texts = visit.study.texts
     text = {
         "completed": texts.debrief,
         "screened-out": texts.screened_out,
         "withdrawn": texts.withdrawn,
         "timed-out": texts.timed_out,
+        "excluded": texts.excluded,
     }[outcome]
     return {
         "text": text,
         "heading": text.title,
-        "completion_code": visit.study.completion_codes[outcome],
+        "completion_code": visit.study.completion_codes.get(outcome, ""),
         "code_caption": "Your completion code" if outcome == "completed" else "Your code",
         "code_advice": "If you came from a recruitment panel, enter this code there. "
         "Otherwise there is nothing more to do.",

@@ -38,7 +38,11 @@ async def list_held(session: AsyncSession, study_id: str, mode: str) -> list[Slo
     released = aliased(Claim)
     given_back = (
         select(released.id)
-        .where(released.participant_id == Claim.participant_id, released.kind == "released")
+        .where(
+            released.participant_id == Claim.participant_id,
+            released.kind == "released",
+            released.id > Claim.id,
+        )
         .exists()
     )
     rows = await session.execute(

@@ -1,121 +1,139 @@
-"""Rows of the export as plain values, streamed: a table is never held in memory as a whole.
+"""Rows of the export as plain values, a page at a time: a table is never held as a whole.
 
 Of people who withdrew only the row in `participants` is given: their data are not to be used.
 """
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
-from typing import Any
+from collections.abc import AsyncIterator, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from operator import itemgetter
+from types import MappingProxyType
+from typing import Any, Literal
 
-from sqlalchemy import or_, select
+from sqlalchemy import Text, cast, func, select
 from sqlalchemy.ext.asyncio import AsyncSession
 
 from server.store.tables import (
+    LearningPair,
+    LearningRun,
+    LearningVersion,
+    PanelId,
     Participant,
+    ParticipantChange,
     Response,
     StudyVersion,
     Trial,
+    TrialEvent,
     TrialLeg,
+    TrialQuality,
     TrialRobot,
 )
 
-FETCH_ROWS = 500
-_ORIGIN = (
-    Participant.code.label("participant_code"),
-    Participant.study_id,
-    StudyVersion.config_hash.label("config_hash"),
-    Participant.mode,
-    Participant.is_bot,
-)
-_MEASURES = (
-    "status",
-    "ticks",
-    "duration_s",
-    "sum_wait_s",
-    "sum_completion_s",
-    "slowest_robot_s",
-    "human_path_m",
-    "human_still_s",
-    "blocked_by_human_s",
+PEOPLE_PER_PAGE = 100
+TRIALS_PER_PAGE = 10
+LABELS_PER_PAGE = 2000
+ORIGIN = ("participant_code", "study_id", "config_hash", "mode", "is_bot")
+
+Row = dict[str, Any]
+Pages = AsyncIterator[list[Row]]
+Part = Literal["robots", "legs", "events", "quality"]
+
+_PARTS: Mapping[Part, tuple[type[Any], tuple[str, ...]]] = MappingProxyType(
+    {
+        "robots": (TrialRobot, ("robot",)),
+        "legs": (TrialLeg, ("robot", "leg")),
+        "events": (TrialEvent, ("number",)),
+        "quality": (TrialQuality, ()),
+    }
 )
 
-Rows = AsyncIterator[dict[str, Any]]
-Query = Any  # a select of any columns: its row type has no name that fits them all
+
+@dataclass(frozen=True)
+class Selection:
+    """Whose rows: those of a study, of one mode or (None) of all."""
+
+    study_id: str
+    mode: str | None = None
 
 
-def participant_rows(session: AsyncSession, study_id: str, mode: str | None) -> Rows:
-    """Everybody, with step, outcome and place in the design."""
-    query = select(
-        *_ORIGIN,
-        Participant.outcome,
-        Participant.step,
-        Participant.order_index,
-        Participant.block,
-        Participant.practice_tries,
-        Participant.joined_at,
-        Participant.ended_at,
-    ).join(StudyVersion, StudyVersion.id == Participant.study_version_id)
-    return _stream(session, _narrow(query, study_id, mode).order_by(Participant.id))
-
-
-def trial_rows(session: AsyncSession, study_id: str, mode: str | None) -> Rows:
-    """Trials after the practice."""
-    query = select(
-        *_ORIGIN,
-        Trial.id.label("trial_id"),
-        Trial.position,
-        Trial.condition,
-        Trial.scale,
-        Trial.seed,
-        Trial.policy_sha256,
-        *(getattr(Trial, name) for name in _MEASURES),
+async def people_pages(session: AsyncSession, chosen: Selection) -> Pages:
+    """Everybody in the order of joining, with how they stand, why, and their place."""
+    reason = (
+        select(ParticipantChange.reason)
+        .where(ParticipantChange.participant_id == Participant.id)
+        .order_by(ParticipantChange.id.desc())
+        .limit(1)
+        .scalar_subquery()
     )
-    return _stream(session, _trials_only(query, study_id, mode))
-
-
-def robot_rows(session: AsyncSession, study_id: str, mode: str | None) -> Rows:
-    """Robots of those trials."""
-    query = select(
-        *_ORIGIN,
-        TrialRobot.trial_id,
-        TrialRobot.robot,
-        TrialRobot.boxes_delivered,
-        TrialRobot.wait_s,
-        TrialRobot.completion_s,
-        TrialRobot.path_m,
-        TrialRobot.longest_stall_s,
-    )
-    ordered = _trials_only(query, study_id, mode).order_by(TrialRobot.robot)
-    return _stream(session, ordered.where(TrialRobot.trial_id == Trial.id))
-
-
-def leg_rows(session: AsyncSession, study_id: str, mode: str | None) -> Rows:
-    """Legs of those robots."""
-    query = select(
-        *_ORIGIN,
-        TrialLeg.trial_id,
-        TrialLeg.robot,
-        TrialLeg.leg,
-        TrialLeg.state,
-        TrialLeg.start_s,
-        TrialLeg.end_s,
-        TrialLeg.path_m,
-        TrialLeg.shelf,
-        TrialLeg.box,
-        TrialLeg.station,
-        TrialLeg.ended,
-    )
-    ordered = _trials_only(query, study_id, mode).order_by(TrialLeg.robot, TrialLeg.leg)
-    return _stream(session, ordered.where(TrialLeg.trial_id == Trial.id))
-
-
-def response_rows(session: AsyncSession, study_id: str, mode: str | None) -> Rows:
-    """Answers, with the order index from which the condition is found."""
     query = (
         select(
-            *_ORIGIN,
+            Participant.id.label("participant_id"),
+            Participant.code.label("participant_code"),
+            Participant.study_id,
+            StudyVersion.config_hash.label("config_hash"),
+            Participant.mode,
+            Participant.is_bot,
+            Participant.status,
+            reason.label("status_reason"),
             Participant.order_index,
+            Participant.step,
+            Participant.block,
+            Participant.practice_tries,
+            Participant.joined_at,
+            Participant.ended_at,
+            Participant.erased_at,
+        )
+        .join(StudyVersion, StudyVersion.id == Participant.study_version_id)
+        .where(Participant.study_id == chosen.study_id)
+    )
+    if chosen.mode is not None:
+        query = query.where(Participant.mode == chosen.mode)
+    last = 0
+    while True:
+        page = query.where(Participant.id > last).order_by(Participant.id).limit(PEOPLE_PER_PAGE)
+        rows = await _fetch(session, page)
+        if not rows:
+            return
+        last = rows[-1]["participant_id"]
+        yield rows
+
+
+async def trials_of(session: AsyncSession, people: Collection[Row]) -> list[Row]:
+    """Their trials after the practice, by person and position."""
+    kept = _kept(people)
+    query = (
+        select(
+            Trial.participant_id,
+            Trial.id.label("trial_id"),
+            Trial.position,
+            Trial.condition,
+            Trial.scale,
+            Trial.seed,
+            Trial.policy_sha256,
+            Trial.status,
+            Trial.ticks,
+            Trial.duration_s,
+            Trial.sum_wait_s,
+            Trial.sum_completion_s,
+            Trial.slowest_robot_s,
+            Trial.human_path_m,
+            Trial.human_still_s,
+            Trial.blocked_by_human_s,
+        )
+        .where(Trial.participant_id.in_(list(kept)), Trial.kind == "trial")
+        .order_by(Trial.participant_id, Trial.position)
+    )
+    return [_origin(kept[row["participant_id"]]) | row for row in await _fetch(session, query)]
+
+
+async def answers_of(session: AsyncSession, people: Collection[Row]) -> list[Row]:
+    """Their answers in the order given, with the order index that tells the condition."""
+    kept = _kept(people)
+    query = (
+        select(
+            Response.participant_id,
             Response.step,
             Response.item,
             Response.item_order,
@@ -123,33 +141,87 @@ def response_rows(session: AsyncSession, study_id: str, mode: str | None) -> Row
             Response.shown_at,
             Response.answered_at,
         )
-        .join(Participant, Participant.id == Response.participant_id)
-        .join(StudyVersion, StudyVersion.id == Participant.study_version_id)
+        .where(Response.participant_id.in_(list(kept)))
+        .order_by(Response.participant_id, Response.id)
     )
-    kept = _narrow(query, study_id, mode).where(_not_withdrawn())
-    return _stream(session, kept.order_by(Participant.id, Response.id))
+    return [
+        _origin(person := kept[row["participant_id"]])
+        | {"order_index": person["order_index"]}
+        | row
+        for row in await _fetch(session, query)
+    ]
 
 
-def _trials_only(query: Query, study_id: str, mode: str | None) -> Query:
-    joined = (
-        query.select_from(Trial)
-        .join(Participant, Participant.id == Trial.participant_id)
-        .join(StudyVersion, StudyVersion.id == Participant.study_version_id)
+async def panel_ids_of(session: AsyncSession, people: Collection[Row]) -> list[Row]:
+    """What the panel calls them; kept also of those who withdrew, who may have to be paid."""
+    known = {row["participant_id"]: row for row in people}
+    query = (
+        select(PanelId.participant_id, PanelId.name, PanelId.value)
+        .where(PanelId.participant_id.in_(list(known)))
+        .order_by(PanelId.participant_id, PanelId.name)
     )
-    kept = _narrow(joined, study_id, mode).where(Trial.kind == "trial", _not_withdrawn())
-    return kept.order_by(Participant.id, Trial.position)
+    return [_origin(known[row["participant_id"]]) | row for row in await _fetch(session, query)]
 
 
-def _narrow(query: Query, study_id: str, mode: str | None) -> Query:
-    here = query.where(Participant.study_id == study_id)
-    return here if mode is None else here.where(Participant.mode == mode)
+async def parts_of(session: AsyncSession, trials: Sequence[Row], part: Part) -> list[Row]:
+    """Robots, legs, events or quality of some trials, in the order of the trials."""
+    table, order = _PARTS[part]
+    columns = [column for column in table.__table__.columns if column.name != "data"]
+    if part == "events":
+        columns.append(cast(TrialEvent.data, Text).label("data"))
+    places = [table.__table__.columns[name] for name in ("trial_id", *order)]
+    query = (
+        select(*columns)
+        .where(table.trial_id.in_([trial["trial_id"] for trial in trials]))
+        .order_by(*places)
+    )
+    found = {
+        trial_id: list(rows)
+        for trial_id, rows in groupby(await _fetch(session, query), itemgetter("trial_id"))
+    }
+    parts = []
+    for trial in trials:
+        origin = _origin(trial)
+        parts += [origin | row for row in found.get(trial["trial_id"], ())]
+    return parts
 
 
-def _not_withdrawn() -> Any:
-    return or_(Participant.outcome.is_(None), Participant.outcome != "withdrawn")
+async def label_pages(session: AsyncSession, policies: Collection[str]) -> Pages:
+    """Pairs of the live learning runs that these policies come from, up to each one's iteration."""
+    latest = (
+        select(LearningVersion.run_id, func.max(LearningVersion.iteration).label("iteration"))
+        .where(LearningVersion.policy_sha256.in_(list(policies)), LearningVersion.iteration > 0)
+        .group_by(LearningVersion.run_id)
+        .order_by(LearningVersion.run_id)
+    )
+    for run_id, iteration in (await session.execute(latest)).all():
+        worker = await session.scalar(select(LearningRun.worker).where(LearningRun.id == run_id))
+        last = -1
+        while True:
+            page = (
+                select(*LearningPair.__table__.columns)
+                .where(
+                    LearningPair.run_id == run_id,
+                    LearningPair.number > last,
+                    LearningPair.iteration < iteration,
+                )
+                .order_by(LearningPair.number)
+                .limit(LABELS_PER_PAGE)
+            )
+            rows = await _fetch(session, page)
+            if not rows:
+                break
+            last = rows[-1]["number"]
+            yield [row | {"is_bot": worker == "simulated"} for row in rows]
 
 
-async def _stream(session: AsyncSession, query: Query) -> Rows:
-    rows = await session.stream(query.execution_options(yield_per=FETCH_ROWS))
-    async for row in rows.mappings():
-        yield dict(row)
+async def _fetch(session: AsyncSession, query: Any) -> list[Row]:
+    return [dict(row) for row in (await session.execute(query)).mappings()]
+
+
+def _kept(people: Collection[Row]) -> dict[int, Row]:
+    return {row["participant_id"]: row for row in people if row["status"] != "withdrawn"}
+
+
+def _origin(row: Row) -> Row:
+    return {name: row[name] for name in ORIGIN}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import secrets
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from typing import cast
@@ -12,12 +12,26 @@ from typing import cast
 from sqlalchemy import func, select, update
 from sqlalchemy.ext.asyncio import AsyncSession
 
-from server.store.tables import PanelId, Participant
-from study.errors import UnknownToken
-from study.protocol.flow import Outcome, Progress
+from server.store.inserting import insert_new
+from server.store.lives import StatusChange, add_change
+from server.store.tables import PanelId, Participant, Trial
+from study.errors import NotFound, UnknownToken
+from study.protocol.flow import Progress
+from study.protocol.lifecycle import Life, Status
 from study.protocol.orders import Slot
 
 _CODE_LETTERS = "23456789ABCDEFGHJKMNPQRSTVWXYZ"
+
+
+class UnknownParticipant(NotFound):
+    """No participant has this code."""
+
+    def __init__(self, code: str) -> None:
+        self.code = code
+        super().__init__(
+            f"there is no participant “{code[:40]}”",
+            next_step="Take the code, as P-XXXXXXXX, from the list of participants or the export.",
+        )
 
 
 @dataclass(frozen=True)
@@ -36,6 +50,7 @@ class ParticipantRecord:
     seen_at: datetime
     step_shown_at: datetime | None
     ended_at: datetime | None
+    erased_at: datetime | None
 
 
 @dataclass(frozen=True)
@@ -58,27 +73,26 @@ def hash_token(token: str) -> str:
 
 async def add_participant(session: AsyncSession, new: NewParticipant, now: datetime) -> None:
     """Store a participant; one who has joined with this token already is left as is."""
-    known = await session.scalar(
-        select(Participant.id).where(Participant.token_hash == hash_token(new.token))
-    )
-    if known is not None:
+    row = {
+        "code": "P-" + "".join(secrets.choice(_CODE_LETTERS) for _ in range(8)),
+        "token_hash": hash_token(new.token),
+        "study_version_id": new.study_version_id,
+        "study_id": new.study_id,
+        "mode": new.mode,
+        "is_bot": new.is_bot,
+        "step": new.progress.step,
+        "practice_tries": 0,
+        "status": new.progress.life.status,
+        "joined_at": now,
+        "seen_at": now,
+    }
+    if not await insert_new(session, Participant, [row]):
         return
-    row = Participant(
-        code="P-" + "".join(secrets.choice(_CODE_LETTERS) for _ in range(8)),
-        token_hash=hash_token(new.token),
-        study_version_id=new.study_version_id,
-        study_id=new.study_id,
-        mode=new.mode,
-        is_bot=new.is_bot,
-        step=new.progress.step,
-        practice_tries=0,
-        joined_at=now,
-        seen_at=now,
-    )
-    session.add(row)
-    await session.flush()
+    added = (await find_participant(session, new.token)).id
+    joined = StatusChange(None, new.progress.life.status, "pressed the button", "participant")
+    await add_change(session, added, joined, now)
     session.add_all(
-        PanelId(participant_id=row.id, name=name, value=value)
+        PanelId(participant_id=added, name=name, value=value)
         for name, value in new.panel_ids.items()
     )
     await session.flush()
@@ -106,18 +120,26 @@ async def read_participant(
 async def store_progress(
     session: AsyncSession, participant_id: int, progress: Progress, now: datetime
 ) -> None:
-    """Note where the participant is now."""
+    """Note where the participant is now; a new step has not been shown yet."""
     await session.execute(
         update(Participant)
         .where(Participant.id == participant_id)
         .values(
             step=progress.step,
             practice_tries=progress.practice_tries,
-            outcome=progress.outcome,
             seen_at=now,
             step_shown_at=None,
-            ended_at=now if progress.outcome else None,
         )
+    )
+
+
+async def store_life(session: AsyncSession, participant_id: int, life: Life, now: datetime) -> None:
+    """Note how the participation stands; when it first ended is kept."""
+    ended = None if life.outcome is None else func.coalesce(Participant.ended_at, now)
+    await session.execute(
+        update(Participant)
+        .where(Participant.id == participant_id)
+        .values(status=life.status, status_before=life.before, ended_at=ended)
     )
 
 
@@ -139,20 +161,44 @@ async def note_shown(session: AsyncSession, participant_id: int, now: datetime) 
     )
 
 
-async def list_idle(
-    session: AsyncSession, study_id: str, seen_before: datetime
+async def list_unseen(
+    session: AsyncSession, study_id: str, seen_before: datetime, statuses: Collection[Status]
 ) -> list[ParticipantRecord]:
-    """Participants under way last seen before this moment; those busy elsewhere are left out."""
+    """Participants last seen before this moment; those busy elsewhere are left out."""
     rows = await session.scalars(
         select(Participant)
         .where(
             Participant.study_id == study_id,
-            Participant.outcome.is_(None),
+            Participant.status.in_(statuses),
             Participant.seen_at < seen_before,
         )
+        .order_by(Participant.id)
         .with_for_update(skip_locked=True)
     )
     return [_record(row) for row in rows]
+
+
+async def list_paused_players(
+    session: AsyncSession, trial_ids: Collection[str]
+) -> list[ParticipantRecord]:
+    """Those counted as paused among the participants of these trials."""
+    rows = await session.execute(
+        select(Participant, Trial.id)
+        .join(Trial, Trial.participant_id == Participant.id)
+        .where(Participant.status == "paused", Trial.status == "open")
+    )
+    return [_record(row) for row, trial_id in rows if trial_id in trial_ids]
+
+
+async def find_by_code(
+    session: AsyncSession, code: str, *, lock: bool = False
+) -> ParticipantRecord:
+    """The participant with this code, whatever its case; raises `UnknownParticipant`."""
+    query = select(Participant).where(Participant.code == code.strip().upper())
+    row = await session.scalar(query.with_for_update() if lock else query)
+    if row is None:
+        raise UnknownParticipant(code)
+    return _record(row)
 
 
 async def list_participants(
@@ -167,14 +213,14 @@ async def list_participants(
     return [_record(row) for row in rows], count or 0
 
 
-async def count_by_outcome(session: AsyncSession) -> dict[tuple[str, str, str], int]:
-    """Number of participants by (study, mode, outcome), `active` while under way."""
+async def count_by_status(session: AsyncSession) -> dict[tuple[str, str, str], int]:
+    """Number of participants by (study, mode, status)."""
     rows = await session.execute(
-        select(Participant.study_id, Participant.mode, Participant.outcome, func.count()).group_by(
-            Participant.study_id, Participant.mode, Participant.outcome
+        select(Participant.study_id, Participant.mode, Participant.status, func.count()).group_by(
+            Participant.study_id, Participant.mode, Participant.status
         )
     )
-    return {(study, mode, outcome or "active"): count for study, mode, outcome, count in rows}
+    return {(study, mode, status): count for study, mode, status, count in rows}
 
 
 def _record(row: Participant) -> ParticipantRecord:
@@ -188,10 +234,15 @@ def _record(row: Participant) -> ParticipantRecord:
         study_id=row.study_id,
         mode=row.mode,
         is_bot=row.is_bot,
-        progress=Progress(row.step, row.practice_tries, cast("Outcome | None", row.outcome)),
+        progress=Progress(
+            row.step,
+            row.practice_tries,
+            Life(cast("Status", row.status), cast("Status | None", row.status_before)),
+        ),
         slot=slot,
         joined_at=row.joined_at,
         seen_at=row.seen_at,
         step_shown_at=row.step_shown_at,
         ended_at=row.ended_at,
+        erased_at=row.erased_at,
     )

@@ -14,7 +14,7 @@ if TYPE_CHECKING:  # loaded only when there is something to migrate: it costs ev
     from alembic.config import Config
     from alembic.script import ScriptDirectory
 
-CURRENT = "0002"
+CURRENT = "0003"
 """The newest revision below migrations/versions; a test holds the two equal."""
 
 
@@ -37,8 +37,10 @@ class SchemaMismatch(StudyError):
         super().__init__(what, next_step=advice)
 
 
-async def migrate(database: Database) -> tuple[str | None, str]:
+async def migrate(database: Database, to: str = "head") -> tuple[str | None, str]:
     """Bring the database to the current schema; returns the versions before and after.
+
+    `to` names an older revision, for tests of what an upgrade does to data.
 
     Raises `SchemaMismatch` if the database is newer than this software.
     """
@@ -47,7 +49,7 @@ async def migrate(database: Database) -> tuple[str | None, str]:
         return found, wanted
     _refuse_newer(found, wanted)
     async with database.rebuilding() as connection:
-        await connection.run_sync(_upgrade)
+        await connection.run_sync(_upgrade, to)
     return found, wanted
 
 
@@ -79,12 +81,12 @@ def _refuse_newer(found: str | None, wanted: str) -> None:
         raise SchemaMismatch(found, wanted, newer=True)
 
 
-def _upgrade(connection: Connection) -> None:
+def _upgrade(connection: Connection, to: str) -> None:
     from alembic import command
 
     config = _config()
     config.attributes["connection"] = connection
-    command.upgrade(config, "head")
+    command.upgrade(config, to)
 
 
 def _scripts() -> ScriptDirectory:

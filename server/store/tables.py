@@ -1,8 +1,8 @@
 """The tables of a study. Migrations under `migrations/versions/` make them; a test holds the two
 equal.
 
-Those of learning runs and of policies stand in `server.store.learning_tables`; whoever imports
-this module has them all.
+Those of learning runs and of policies stand in `server.store.learning_tables`, what trials are
+measured by in `server.store.measure_tables`; whoever imports this module has them all.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from server.store.learning_tables import (
     PolicyActivation,
     StoredPolicy,
 )
+from server.store.measure_tables import TrialLeg, TrialQuality, TrialRobot
 
 __all__ = (
     "AuditEntry",
@@ -41,6 +42,7 @@ __all__ = (
     "LearningVersion",
     "PanelId",
     "Participant",
+    "ParticipantChange",
     "PolicyActivation",
     "Response",
     "StoredPolicy",
@@ -49,8 +51,14 @@ __all__ = (
     "TrialChunk",
     "TrialEvent",
     "TrialLeg",
+    "TrialQuality",
     "TrialRobot",
     "User",
+)
+
+STATUS_RULE = (
+    "status IN ('joined', 'active', 'paused', 'completed', 'screened-out', 'withdrawn', "
+    "'timed-out', 'excluded')"
 )
 
 
@@ -66,14 +74,16 @@ class StudyVersion(Base):
 
 
 class Participant(Base):
-    """One participation. The token is stored hashed; panel ids live in a table of their own."""
+    """One participation. The token is stored hashed; panel ids live in a table of their own.
+
+    `status_before` is what an excluded one was before. Of an erased one this row stays as a
+    tombstone: its code, where it stood, and when.
+    """
 
     __tablename__ = "participants"
     __table_args__ = (
         CheckConstraint("mode IN ('live', 'pilot', 'bot')", name="mode"),
-        CheckConstraint(
-            "outcome IN ('completed', 'screened-out', 'withdrawn', 'timed-out')", name="outcome"
-        ),
+        CheckConstraint(STATUS_RULE, name="status"),
         Index("ix_participants_study_mode", "study_id", "mode"),
     )
     id: Mapped[int] = mapped_column(RowId, primary_key=True)
@@ -85,13 +95,32 @@ class Participant(Base):
     is_bot: Mapped[bool]
     step: Mapped[str] = mapped_column(String(40))
     practice_tries: Mapped[int]
-    outcome: Mapped[str | None] = mapped_column(String(20))
+    status: Mapped[str] = mapped_column(String(20))
+    status_before: Mapped[str | None] = mapped_column(String(20))
     block: Mapped[int | None]
     order_index: Mapped[int | None]
     joined_at: Mapped[datetime]
     seen_at: Mapped[datetime]
     step_shown_at: Mapped[datetime | None]
     ended_at: Mapped[datetime | None]
+    erased_at: Mapped[datetime | None]
+
+
+class ParticipantChange(Base):
+    """One change of a participation's status, with its reason; rows are added, never changed.
+
+    `actor` is `participant`, `server` or the name of a staff account.
+    """
+
+    __tablename__ = "participant_changes"
+    __table_args__ = (Index("ix_participant_changes_participant_id", "participant_id"),)
+    id: Mapped[int] = mapped_column(RowId, primary_key=True)
+    participant_id: Mapped[int] = mapped_column(ForeignKey("participants.id"))
+    at: Mapped[datetime]
+    from_status: Mapped[str | None] = mapped_column(String(20))
+    to_status: Mapped[str] = mapped_column(String(20))
+    reason: Mapped[str] = mapped_column(String(200))
+    actor: Mapped[str] = mapped_column(String(64))
 
 
 class PanelId(Base):
@@ -109,8 +138,8 @@ class Claim(Base):
     __tablename__ = "claims"
     __table_args__ = (
         CheckConstraint("kind IN ('claimed', 'completed', 'released')", name="kind"),
-        UniqueConstraint("participant_id", "kind"),
         Index("ix_claims_study_mode", "study_id", "mode"),
+        Index("ix_claims_participant_id", "participant_id"),
     )
     id: Mapped[int] = mapped_column(RowId, primary_key=True)
     study_id: Mapped[str] = mapped_column(String(40))
@@ -183,37 +212,6 @@ class Trial(Base):
     boxes_delivered: Mapped[int | None]
     longest_stall_s: Mapped[float | None]
     overlaps: Mapped[int | None]
-
-
-class TrialRobot(Base):
-    """Measures of one robot in one ended trial."""
-
-    __tablename__ = "trial_robots"
-    trial_id: Mapped[str] = mapped_column(ForeignKey("trials.id"), primary_key=True)
-    robot: Mapped[int] = mapped_column(primary_key=True)
-    boxes_delivered: Mapped[int]
-    wait_s: Mapped[float]
-    completion_s: Mapped[float]
-    path_m: Mapped[float]
-    longest_stall_s: Mapped[float]
-    blocked_by_human_s: Mapped[float]
-
-
-class TrialLeg(Base):
-    """A stretch of a robot's life in one state, in one ended trial."""
-
-    __tablename__ = "trial_legs"
-    trial_id: Mapped[str] = mapped_column(ForeignKey("trials.id"), primary_key=True)
-    robot: Mapped[int] = mapped_column(primary_key=True)
-    leg: Mapped[int] = mapped_column(primary_key=True)
-    state: Mapped[str] = mapped_column(String(20))
-    start_s: Mapped[float]
-    end_s: Mapped[float]
-    path_m: Mapped[float]
-    shelf: Mapped[int | None]
-    box: Mapped[int | None]
-    station: Mapped[int | None]
-    ended: Mapped[bool]
 
 
 class TrialEvent(Base):

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import ColumnElement, select, update
+from sqlalchemy import ColumnElement, func, select, update
 from sqlalchemy.ext.asyncio import AsyncSession
 
-from server.store.tables import Trial, TrialLeg, TrialRobot
+from server.store.tables import Trial, TrialLeg, TrialQuality, TrialRobot
 from study.errors import NotFound
 
 if TYPE_CHECKING:
@@ -151,6 +151,8 @@ async def store_result(session: AsyncSession, trial_id: str, result: TrialResult
         )
         for leg in measures.legs
     )
+    if result.quality is not None:
+        session.add(TrialQuality(trial_id=trial_id, **vars(result.quality)))
     await session.flush()
 
 
@@ -175,6 +177,26 @@ async def abandon_run_trials(session: AsyncSession, run_id: str, now: datetime) 
 async def _abandon(session: AsyncSession, mine: ColumnElement[bool], now: datetime) -> None:
     await session.execute(
         update(Trial).where(mine, Trial.status == "open").values(status="abandoned", ended_at=now)
+    )
+
+
+async def reopen_abandoned(session: AsyncSession, participant_id: int, step: str) -> None:
+    """Open again what was given up at this step only because the participation had ended."""
+    newest = (
+        select(func.max(Trial.attempt))
+        .where(Trial.participant_id == participant_id, Trial.step == step)
+        .scalar_subquery()
+    )
+    await session.execute(
+        update(Trial)
+        .where(
+            Trial.participant_id == participant_id,
+            Trial.step == step,
+            Trial.attempt == newest,
+            Trial.status == "abandoned",
+            Trial.state_hash.is_(None),
+        )
+        .values(status="open", ended_at=None)
     )
 
 

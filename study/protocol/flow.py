@@ -6,22 +6,24 @@
         -> 3 x (explanation-k -> trial-k -> questionnaire-k) -> comments -> debrief
 
     practice, not passed -> instructions again, or `screened-out` after the last try
-    any step             -> `withdrawn` | `timed-out`
+    any step             -> `withdrawn` | `timed-out` | `excluded`
 
 `advance(plan, progress, submission)` is the only way to move; it raises `WrongStep` for a
-submission that belongs elsewhere and changes nothing.
+submission that belongs elsewhere and changes nothing. What becomes of the participation as a
+whole is decided by `study.protocol.lifecycle`.
 """
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from study.errors import NotFound, WrongStep
+from study.protocol.lifecycle import OUTCOMES, Life, Outcome, change
 
-Outcome = Literal["completed", "screened-out", "withdrawn", "timed-out"]
-OUTCOMES: tuple[Outcome, ...] = ("completed", "screened-out", "withdrawn", "timed-out")
+__all__ = ["OUTCOMES", "Outcome"]
+
 TrialEnd = Literal["completed", "timed_out"]
 
 _FIRST = ("consent", "browser-check", "demographics", "instructions", "practice")
@@ -57,16 +59,22 @@ class Plan:
 
 @dataclass(frozen=True)
 class Progress:
-    """Where a participant is; `outcome` is set once and for all when the participation ends."""
+    """Where a participant is, and how the participation as a whole stands."""
 
     step: str
     practice_tries: int = 0
-    outcome: Outcome | None = None
+    life: Life = field(default_factory=Life)
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """How the participation ended, or None while it is under way."""
+        return self.life.outcome
 
     @property
     def page(self) -> str:
         """The page to show: the step, or the outcome's page if it ended early."""
-        return self.step if self.outcome in (None, "completed") else self.outcome
+        told = self.life.told
+        return told if told in OUTCOMES and told != "completed" else self.step
 
 
 @dataclass(frozen=True)
@@ -130,23 +138,17 @@ def comes_before(plan: Plan, step: str, progress: Progress) -> bool:
 def advance(plan: Plan, progress: Progress, submission: Submission) -> Progress:
     """The progress after a submission; raises `WrongStep` if it does not belong here."""
     if isinstance(submission, Withdrawal):
-        return _withdraw(progress)
+        return replace(progress, life=change(progress.life, "withdraw"))
     if isinstance(submission, IdleTooLong):
-        return progress if progress.outcome else replace(progress, outcome="timed-out")
+        return replace(progress, life=change(progress.life, "time-out"))
     if progress.outcome is not None or submission.step != progress.step:
         raise WrongStep(submission.step, progress.page)
     if isinstance(submission, TrialEnded) != is_trial(progress.step):
         raise WrongStep(submission.step, progress.page)
+    begun = replace(progress, life=change(progress.life, "begin"))
     if isinstance(submission, TrialEnded) and progress.step == "practice":
-        return _after_practice(plan, progress, passed=submission.status == "completed")
-    return _next_step(plan, progress)
-
-
-def _withdraw(progress: Progress) -> Progress:
-    """Withdrawing works at any point, also after completion; nobody is screened out twice."""
-    if progress.outcome in (None, "completed"):
-        return replace(progress, outcome="withdrawn")
-    return progress
+        return _after_practice(plan, begun, passed=submission.status == "completed")
+    return _next_step(plan, begun)
 
 
 def _after_practice(plan: Plan, progress: Progress, *, passed: bool) -> Progress:
@@ -154,7 +156,7 @@ def _after_practice(plan: Plan, progress: Progress, *, passed: bool) -> Progress
     if passed:
         return _next_step(plan, tried)
     if tried.practice_tries >= plan.practice_tries:
-        return replace(tried, outcome="screened-out")
+        return replace(tried, life=change(tried.life, "screen-out"))
     return replace(tried, step="instructions")
 
 
@@ -163,6 +165,7 @@ def _next_step(plan: Plan, progress: Progress) -> Progress:
     position = steps.index(progress.step) + 1
     if position >= len(steps):
         raise WrongStep(progress.step, progress.page)
-    step = steps[position]
-    done: Outcome | None = "completed" if position == len(steps) - 1 else None
-    return replace(progress, step=step, outcome=done)
+    life = progress.life
+    if position == len(steps) - 1:
+        life = change(life, "complete")
+    return replace(progress, step=steps[position], life=life)

@@ -30,6 +30,12 @@ class ElementText(Record):
     picture_alt: str
 
 
+EXCLUDED = PageText(
+    title="Your participation was ended",
+    lead="The researchers ended your participation. Nothing more is recorded.",
+)
+
+
 class StudyTexts(Record):
     """Every text of a study that is not a questionnaire."""
 
@@ -46,4 +52,5 @@ class StudyTexts(Record):
     screened_out: PageText
     withdrawn: PageText
     timed_out: PageText
+    excluded: PageText = EXCLUDED
     contact: str

@@ -1,11 +1,14 @@
-"""The codebook: every column of every table, and every item that a study asks."""
+"""The codebook: every column of every table, every kind of event, every item that a study asks."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from study.records.tables import TABLES, Column, Table
+from study.records.cells import Column, Table
+from study.records.events import EVENT_KINDS
+from study.records.observations import EVENTS
+from study.records.tables import TABLES
 
 CODEBOOK = Table(
     "codebook",
@@ -13,7 +16,7 @@ CODEBOOK = Table(
     (
         Column("file", "text", "the file that holds it"),
         Column("name", "text", "name of the column, or instrument.item"),
-        Column("type", "text", "text, integer, number, boolean or time; kind of item"),
+        Column("type", "text", "text, integer, number, boolean or time; kind of event or item"),
         Column("unit", "text", "the unit, where there is one"),
         Column("meaning", "text", "what it is; of an item, its wording"),
         Column("levels", "text", "allowed values, as value=label joined by |"),
@@ -24,7 +27,10 @@ CODEBOOK = Table(
 
 @dataclass(frozen=True)
 class ItemEntry:
-    """An item of a study's version as the codebook lists it."""
+    """An item of a study's version as the codebook lists it.
+
+    `repeated`: asked after each trial. `whole`: every answer that can be stored is a whole number.
+    """
 
     config_hash: str
     instrument: str
@@ -33,21 +39,26 @@ class ItemEntry:
     wording: str
     levels: tuple[tuple[str, str], ...] = ()
     unit: str = ""
+    repeated: bool = False
+    whole: bool = False
 
 
-def codebook_rows(items: Iterable[ItemEntry]) -> Iterator[dict[str, str]]:
-    """Rows of `CODEBOOK`: the columns of all tables, then the items in the order given."""
-    for table in TABLES.values():
+def codebook_rows(
+    items: Iterable[ItemEntry], further: Iterable[tuple[str, Table]] = ()
+) -> Iterator[dict[str, str]]:
+    """Rows of `CODEBOOK`: columns of all tables, kinds of events, items in the order given.
+
+    `further` are tables with their file names that this export holds besides those in `TABLES`.
+    """
+    for file, table in (*((table.file, table) for table in TABLES.values()), *further):
         for column in table.columns:
-            yield {
-                "file": table.file,
-                "name": column.name,
-                "type": column.kind,
-                "unit": column.unit,
-                "meaning": column.meaning,
-                "levels": "true|false" if column.kind == "boolean" else "",
-                "config_hash": "",
-            }
+            levels = "true|false" if column.kind == "boolean" else ""
+            yield _row(file, column.name, column.kind, column.unit, column.meaning, levels)
+    for kind in EVENT_KINDS.values():
+        yield _row(EVENTS.file, f"kind={kind.name}", "event", "", kind.meaning)
+        for field in kind.fields:
+            name = f"data.{kind.name}.{field.name}"
+            yield _row(EVENTS.file, name, field.type, field.unit, field.meaning)
     for entry in items:
         yield {
             "file": "responses.csv",
@@ -58,3 +69,17 @@ def codebook_rows(items: Iterable[ItemEntry]) -> Iterator[dict[str, str]]:
             "levels": "|".join(f"{value}={label}" for value, label in entry.levels),
             "config_hash": entry.config_hash,
         }
+
+
+def _row(
+    file: str, name: str, kind: str, unit: str, meaning: str, levels: str = ""
+) -> dict[str, str]:
+    return {
+        "file": file,
+        "name": name,
+        "type": kind,
+        "unit": unit,
+        "meaning": meaning,
+        "levels": levels,
+        "config_hash": "",
+    }

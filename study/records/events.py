@@ -171,6 +171,17 @@ _CLIENT_KINDS = (
         ),
     ),
     EventKind(
+        "quality",
+        "client",
+        "how the picture and the connection were since the last report, every few seconds",
+        (
+            EventField("fps", "str", "Hz", "frames drawn in each whole second, parted by spaces"),
+            EventField("rtt_ms", "str", "ms", "round-trip times measured, parted by spaces"),
+            EventField("long_frames", "int", "", "frames that took longer than 50 ms"),
+            EventField("longest_frame_ms", "float", "ms", "the longest time between two frames"),
+        ),
+    ),
+    EventKind(
         "context",
         "client",
         "the browser lost or restored its graphics context",

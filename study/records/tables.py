@@ -1,94 +1,94 @@
-"""The tidy tables of an export: their columns, and how a value becomes a cell.
+"""The tidy tables of an export: their columns, units and meaning.
 
 Columns are fixed here, never taken from what was seen. Every row of every table carries
-`study_id, config_hash, mode, is_bot`.
+`study_id, config_hash, mode, is_bot`. The wide table's columns follow from the study: see
+`study.records.wide`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from datetime import UTC, datetime
 from types import MappingProxyType
-from typing import Literal
 
-Kind = Literal["text", "integer", "number", "boolean", "time"]
-Value = str | int | float | bool | datetime | None
+from study.records.cells import (
+    Column,
+    Table,
+    Value,
+    format_cell,
+    format_row,
+    neutralise_formula,
+    row_formatter,
+)
+from study.records.columns import (
+    BOT,
+    CODE,
+    CONDITION,
+    HASH,
+    MODE,
+    ORIGIN,
+    POSITION,
+    ROBOT,
+    STUDY,
+    TRIAL,
+)
+from study.records.observations import EVENTS, EXPERT_LABELS, QUALITY
 
-_FORMULA_STARTS = frozenset("=+-@\t\r\n＝＋－＠")
-
-
-@dataclass(frozen=True)
-class Column:
-    """One column: its type, unit ("" = none) and meaning."""
-
-    name: str
-    kind: Kind
-    meaning: str
-    unit: str = ""
-
-
-@dataclass(frozen=True)
-class Table:
-    """One file of the export."""
-
-    name: str
-    meaning: str
-    columns: tuple[Column, ...]
-
-    @property
-    def file(self) -> str:
-        """Its name in the zip."""
-        return f"{self.name}.csv"
-
-    @property
-    def header(self) -> list[str]:
-        """The names of its columns."""
-        return [column.name for column in self.columns]
-
-
-_STUDY = Column("study_id", "text", "the study")
-_HASH = Column("config_hash", "text", "SHA-256 of the version of the study that was joined")
-_MODE = Column("mode", "text", "live, pilot or bot; fixed when joining")
-_BOT = Column("is_bot", "boolean", "true for simulated participants")
-_CODE = Column("participant_code", "text", "random code of the participant")
-_TRIAL = Column("trial_id", "text", "the trial")
-_ROBOT = Column("robot", "integer", "index of the robot, from 0")
-_POSITION = Column("position", "integer", "1 for the first trial of a participant, and so on")
-_CONDITION = Column("condition", "text", "what decided about the display")
+__all__ = (
+    "EVENTS",
+    "EXPERT_LABELS",
+    "LEGS",
+    "PARTICIPANTS",
+    "QUALITY",
+    "RESPONSES",
+    "ROBOTS",
+    "TABLES",
+    "TRIALS",
+    "Column",
+    "Table",
+    "Value",
+    "format_cell",
+    "format_row",
+    "neutralise_formula",
+    "row_formatter",
+)
 
 PARTICIPANTS = Table(
     "participants",
     "one row per participant, those who withdrew included",
     (
-        _CODE,
-        _STUDY,
-        _HASH,
-        _MODE,
-        _BOT,
-        Column("status", "text", "active, completed, screened-out, withdrawn or timed-out"),
+        CODE,
+        *ORIGIN,
+        Column(
+            "status",
+            "text",
+            "joined, active, paused, completed, screened-out, withdrawn, timed-out or excluded",
+        ),
+        Column("status_reason", "text", "why the status is what it is"),
+        Column("flags", "text", "exclusion rules that all trials together break, joined by |"),
         Column("step", "text", "the current step, or the last one reached"),
         Column("condition_order", "text", "conditions in the order met, joined by >"),
         Column("block", "integer", "the set of all orders that the place belongs to, from 0"),
         Column("practice_tries", "integer", "ended tries of the practice"),
         Column("joined_at", "time", "when the landing page was sent"),
         Column("ended_at", "time", "when the participation ended"),
+        Column("erased_at", "time", "when everything else of the participant was erased"),
     ),
+    key=("participant_code",),
 )
 
 TRIALS = Table(
     "trials",
     "one row per trial after the practice",
     (
-        _TRIAL,
-        _CODE,
-        _MODE,
-        _BOT,
-        _POSITION,
-        _CONDITION,
+        TRIAL,
+        CODE,
+        MODE,
+        BOT,
+        POSITION,
+        CONDITION,
         Column("scale", "text", "the hall"),
         Column("seed", "integer", "seed of the world"),
-        _HASH,
+        HASH,
         Column(
             "policy_sha256",
             "text",
@@ -103,35 +103,36 @@ TRIALS = Table(
         Column("human_path_m", "number", "length of the person's way", "m"),
         Column("human_still_s", "number", "time in which the person stood still", "s"),
         Column("blocked_by_human_s", "number", "time in which the person blocked a bay", "s"),
-        _STUDY,
+        STUDY,
     ),
+    key=("trial_id",),
+    refers=(("participant_code", "participants"),),
 )
 
 ROBOTS = Table(
     "robots",
     "one row per robot of each ended trial",
     (
-        _TRIAL,
-        _ROBOT,
+        TRIAL,
+        ROBOT,
         Column("boxes_delivered", "integer", "boxes unloaded"),
         Column("wait_s", "number", "waiting at stations, added up", "s"),
         Column("completion_s", "number", "when it came home, or the end of the trial", "s"),
         Column("path_m", "number", "length of its way", "m"),
         Column("longest_stall_s", "number", "longest time without progress to its goal", "s"),
-        _CODE,
-        _STUDY,
-        _HASH,
-        _MODE,
-        _BOT,
+        CODE,
+        *ORIGIN,
     ),
+    key=("trial_id", "robot"),
+    refers=(("trial_id", "trials"),),
 )
 
 LEGS = Table(
     "legs",
     "one row per leg of a robot's work in each ended trial",
     (
-        _TRIAL,
-        _ROBOT,
+        TRIAL,
+        ROBOT,
         Column("leg", "integer", "number of the leg among those of the robot, from 0"),
         Column("state", "text", "what the robot did, e.g. to_shelf or waiting"),
         Column("start_s", "number", "when it began, from the start of the trial", "s"),
@@ -141,26 +142,22 @@ LEGS = Table(
         Column("box", "integer", "index of the box, where there is one"),
         Column("station", "integer", "index of the station, 0 to 3, where there is one"),
         Column("ended", "boolean", "false for a leg cut off by the end of the trial"),
-        _CODE,
-        _STUDY,
-        _HASH,
-        _MODE,
-        _BOT,
+        CODE,
+        *ORIGIN,
     ),
+    key=("trial_id", "robot", "leg"),
+    refers=(("trial_id", "trials"),),
 )
 
 RESPONSES = Table(
     "responses",
     "one row per answer",
     (
-        _CODE,
-        _STUDY,
-        _HASH,
-        _MODE,
-        _BOT,
+        CODE,
+        *ORIGIN,
         Column("step", "text", "the page that asked"),
-        _POSITION,
-        _CONDITION,
+        POSITION,
+        CONDITION,
         Column("instrument", "text", "the group of items; see codebook.csv"),
         Column("item", "text", "the item; see codebook.csv"),
         Column("item_order", "integer", "place of the item on its page, from 1"),
@@ -169,31 +166,23 @@ RESPONSES = Table(
         Column("shown_at", "time", "when the page was first shown"),
         Column("answered_at", "time", "when the page was sent"),
     ),
+    key=("participant_code", "step", "item"),
+    refers=(("participant_code", "participants"),),
 )
 
 TABLES: Mapping[str, Table] = MappingProxyType(
-    {table.name: table for table in (PARTICIPANTS, TRIALS, ROBOTS, LEGS, RESPONSES)}
+    {
+        table.name: table
+        for table in (
+            PARTICIPANTS,
+            TRIALS,
+            ROBOTS,
+            LEGS,
+            RESPONSES,
+            EVENTS,
+            QUALITY,
+            EXPERT_LABELS,
+        )
+    }
 )
-
-
-def format_row(table: Table, row: Mapping[str, Value]) -> list[str]:
-    """The row's cells in the table's order; KeyError if a column is missing."""
-    return [format_cell(column, row[column.name]) for column in table.columns]
-
-
-def format_cell(column: Column, value: Value) -> str:
-    """A value as text: ISO-8601 UTC, true/false, shortest exact numbers, empty for nothing."""
-    if value is None:
-        return ""
-    if column.kind == "text":
-        return neutralise_formula(str(value))
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, datetime):
-        return value.astimezone(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
-    return repr(value) if isinstance(value, float) else str(value)
-
-
-def neutralise_formula(text: str) -> str:
-    """The text, with an apostrophe before it if a spreadsheet would run it as a formula."""
-    return f"'{text}" if text[:1] in _FORMULA_STARTS else text
+"""Every table of an export but the wide one, in their order there."""

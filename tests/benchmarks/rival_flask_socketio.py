@@ -26,7 +26,7 @@ from server.bench_clients import BenchClient, run_clients
 from server.bench_live import bench_live
 from server.bench_wire import record_walk
 from server.kernel_cache import open_kernel_cache
-from server.live.ticker import Lateness
+from server.live.lateness import Lateness
 from study.warehouse.halls import PRESETS
 from study.warehouse.layout import build_layout
 from study.warehouse.world import World

@@ -4,7 +4,8 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from server.live.ticker import GROUPS, SLOT_S, Lateness, Ticked, Ticker
+from server.live.lateness import Lateness
+from server.live.ticker import GROUPS, SLOT_S, Ticked, Ticker
 
 from .stage import FakeClock
 
@@ -19,6 +20,9 @@ class Counter:
         self.ticks += 1
         if self.ticks == self.fails_at:
             raise ZeroDivisionError("a fault in one room")
+
+    def note_late(self, late_s: float) -> None:
+        pass
 
     def note_lag(self, lost_s: float) -> None:
         self.lost_s.append(lost_s)

@@ -33,7 +33,9 @@ process.stdout.write(JSON.stringify({
   texts: asked.texts.map((t) => m.decodeText(t)),
   inputs: asked.inputs.map(([seq, frames]) => hex(m.encodeInput(seq, frames))),
   spoken: [m.encodeHello(), m.encodeReady(), m.encodePing(12.5), m.encodePing(3),
-           m.encodeAttention(true, false, true), m.encodeContext(true)],
+           m.encodeAttention(true, false, true), m.encodeContext(true),
+           m.encodeQuality({ fps: [60, 59.5], rtt_ms: [12.5], long_frames: 2,
+                             longest_frame_ms: 70 })],
 }, (key, value) => plain(value)));
 """
 
@@ -134,6 +136,7 @@ def test_the_server_reads_what_the_browser_writes() -> None:
         wire.Ping(3.0),
         wire.Attention(True, False, True),
         wire.Context(True),
+        wire.Quality((60.0, 59.5), (12.5,), 2, 70.0),
     ]
 
 
@@ -151,6 +154,14 @@ def test_the_server_reads_what_the_browser_writes() -> None:
         ('{"type":"ping","sent_ms":1e999}', "got inf"),
         ('{"type":"ping","sent_ms":' + "9" * 150 + "}", "wanted ping.sent_ms as float"),
         ('{"type":"attention","visible":1}', "wanted attention.visible as bool, got 1"),
+        ('{"type":"quality","fps":60}', "wanted quality.fps as up to 8 figures from 0 to 100000"),
+        ('{"type":"quality","fps":[true]}', "got [True]"),
+        ('{"type":"quality","fps":[-1]}', "got [-1]"),
+        ('{"type":"quality","fps":[1,1,1,1,1,1,1,1,1]}', "up to 8 figures"),
+        (
+            '{"type":"quality","fps":[],"rtt_ms":[],"long_frames":-1,"longest_frame_ms":1.0}',
+            "figures from 0 to 100000, got -1",
+        ),
     ],
 )
 def test_refused_texts_say_what_was_wanted(text: str, sentence: str) -> None:
@@ -183,6 +194,24 @@ def test_oversized_messages_have_their_own_code() -> None:
         with pytest.raises(WireError) as caught:
             parse()
         assert caught.value.code == 1009
+
+
+def test_the_longest_report_of_the_browser_fits_its_frame() -> None:
+    """Eight figures of each kind, each as long as it can be."""
+    code = """
+import { QualityWatch } from "./web/static/js/quality.js";
+import { encodeQuality } from "./web/static/js/net/messages.js";
+const watch = new QualityWatch();
+watch.takeReport(0);
+for (let n = 0; n < 50; n += 1) { watch.roundTrip(99998.76); watch.frame(n * 98765); }
+process.stdout.write(encodeQuality(watch.takeReport(6000)));
+"""
+    done = subprocess.run(
+        ["node", "--input-type=module", "-e", code], capture_output=True, text=True, cwd=ROOT
+    )
+    message = wire.parse_text(done.stdout)
+    assert isinstance(message, wire.Quality), done.stderr
+    assert (len(message.fps), len(message.rtt_ms), message.long_frames) == (8, 8, 49)
 
 
 @given(st.binary(max_size=300))

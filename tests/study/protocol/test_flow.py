@@ -22,6 +22,7 @@ from study.protocol.flow import (
     start,
     step_kind,
 )
+from study.protocol.lifecycle import Life
 
 PLAN = Plan(trials=3, practice_tries=3)
 STEPS = st.sampled_from([*PLAN.steps, "trial-9", "nonsense"])
@@ -70,7 +71,7 @@ def test_a_failed_practice_leads_back_and_the_third_failure_ends_it() -> None:
     progress = Progress("practice")
     for tries in (1, 2):
         progress = advance(PLAN, progress, TrialEnded("practice", "timed_out"))
-        assert progress == Progress("instructions", tries)
+        assert progress == Progress("instructions", tries, Life("active"))
         progress = advance(PLAN, progress, FormSent("instructions"))
     progress = advance(PLAN, progress, TrialEnded("practice", "timed_out"))
     assert (progress.outcome, progress.page) == ("screened-out", "screened-out")
@@ -78,18 +79,18 @@ def test_a_failed_practice_leads_back_and_the_third_failure_ends_it() -> None:
 
 def test_a_practice_passed_at_the_last_try_counts() -> None:
     after = advance(PLAN, Progress("practice", 2), TrialEnded("practice", "completed"))
-    assert after == Progress("explanation-1", 3)
+    assert after == Progress("explanation-1", 3, Life("active"))
 
 
 def test_a_trial_that_ran_into_its_cap_is_still_followed_by_its_questionnaire() -> None:
     after = advance(PLAN, Progress("trial-2"), TrialEnded("trial-2", "timed_out"))
-    assert after == Progress("questionnaire-2")
+    assert after == Progress("questionnaire-2", life=Life("active"))
 
 
 @pytest.mark.parametrize("step", PLAN.steps)
 def test_one_may_withdraw_anywhere(step: str) -> None:
-    done = "completed" if step == "debrief" else None
-    assert advance(PLAN, Progress(step, outcome=done), Withdrawal()).outcome == "withdrawn"
+    life = Life("completed" if step == "debrief" else "active")
+    assert advance(PLAN, Progress(step, life=life), Withdrawal()).outcome == "withdrawn"
 
 
 @pytest.mark.parametrize("step", PLAN.steps[:-1])
@@ -130,8 +131,9 @@ def test_whatever_is_sent_progress_is_kept_and_never_runs_backwards(
         forward = PLAN.steps.index(progress.step) - PLAN.steps.index(before.step)
         assert forward in (0, 1) or (before.step, progress.step) == ("practice", "instructions")
         assert progress.practice_tries <= PLAN.practice_tries
-        if before.outcome not in (None, "completed"):
-            assert progress == before
+        if before.outcome is not None:
+            assert progress.step == before.step
+            assert progress == before or progress.outcome == "withdrawn"
 
 
 def test_step_ids_are_read_strictly() -> None:

@@ -5,8 +5,9 @@ import { FrameAccumulator } from "./input/accumulator.js";
 import { Prediction } from "./input/prediction.js";
 import { TickClock } from "./net/clock.js";
 import { Connection, PARTICIPANT_PROTOCOL } from "./net/connection.js";
-import { encodeAttention, encodeContext, encodeInput, encodeReady, INPUT_FRAMES_MAX } from "./net/messages.js";
+import { encodeAttention, encodeContext, encodeInput, encodeQuality, encodeReady, INPUT_FRAMES_MAX } from "./net/messages.js";
 import { SnapshotBuffer } from "./net/snapshots.js";
+import { QualityWatch } from "./quality.js";
 import { Stage } from "./scene/stage.js";
 import { HallView } from "./scene/view.js";
 import { Beacon } from "./ui/beacon.js";
@@ -41,6 +42,7 @@ export class Trial {
     this.hud = new Hud(element, () => this.#toggleHelp());
     this.beacon = new Beacon(element);
     this.snapshots = new SnapshotBuffer();
+    this.quality = new QualityWatch();
     this.phase = "waiting";
     this.connectionName = "lost";
     this.delivered = 0;
@@ -68,6 +70,7 @@ export class Trial {
     else if (message.type === "phase") this.#changePhase(message);
     else if (message.type === "welcome") this.#begin(message);
     else if (message.type === "delivered") this.#showDelivered(message.boxes);
+    else if (message.type === "pong") this.quality.roundTrip(this.connection.roundTrip_ms);
     else if (message.type === "finished") this.#leave(message.next);
   }
 
@@ -132,6 +135,8 @@ export class Trial {
   #pump(now_ms) {
     if (this.connection.state !== "open" || this.phase !== "running" || !this.prediction || !this.accumulator) return;
     this.controls.turn(now_ms);
+    const report = this.quality.takeReport(now_ms);
+    if (report) this.connection.send(encodeQuality(report));
     const due = this.accumulator.advance(now_ms);
     const { look, held } = this.controls;
     for (let first = 0; first < due; first += INPUT_FRAMES_MAX) {
@@ -169,6 +174,8 @@ export class Trial {
     this.lastFrame_ms = now_ms;
     this.prediction?.fade(passed_ms / 1000);
     this.stage.adapt(passed_ms);
+    if (this.phase === "running" && this.controls.isVisible) this.quality.frame(now_ms);
+    else this.quality.interrupt();
     const human = this.#humanNow();
     const { look } = this.controls;
     const viewpoint = { x: human.x_m, y: human.y_m, heading: look.heading, pitch: look.pitch };
@@ -226,6 +233,7 @@ export class Trial {
 
   /** @param {boolean} visible @param {boolean} focused @param {boolean} locked */
   #attentionChanged(visible, focused, locked) {
+    if (!visible) this.quality?.interrupt();
     this.connection?.send(encodeAttention(visible, focused, locked));
   }
 

@@ -71,6 +71,12 @@ export const encodePing = (sent_ms) => JSON.stringify({ type: "ping", sent_ms })
 /** @param {boolean} visible @param {boolean} focused @param {boolean} locked */
 export const encodeAttention = (visible, focused, locked) =>
   JSON.stringify({ type: "attention", visible, focused, locked });
+/**
+ * What the page measured since its last report, at most eight figures of a kind.
+ * @typedef {{ fps: number[], rtt_ms: number[], long_frames: number, longest_frame_ms: number }} QualityReport
+ */
+/** @param {QualityReport} report */
+export const encodeQuality = (report) => JSON.stringify({ type: "quality", ...report });
 /** @param {boolean} lost */
 export const encodeContext = (lost) => JSON.stringify({ type: "context", lost });
 
