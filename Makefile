@@ -2,7 +2,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help run install test check fix test-needs pictures results clean
+.PHONY: help run install test check fix test-needs schema pictures results clean
 
 PYTHON ?= python3
 UV := .venv/bin/uv
@@ -51,6 +51,9 @@ fix: test-needs ## Format, and mend what the linter can mend
 test: check ## Everything the suite needs, then the whole suite
 	@$(NODE) --test --test-reporter=dot tests/js/*.test.js
 	@bash tests/run.sh $(PYTEST)
+
+schema: install ## Write the JSON Schema of study files into docs/ again
+	@.venv/bin/python -c 'from study.files.schema import schema_text; print(schema_text(), end="")' > docs/study.schema.json
 
 pictures: test-needs ## Draw the pictures of the README and of the explanation pages again
 	@PYTHONPATH=. .venv/bin/python -m tests.browser.make_pictures

@@ -15,7 +15,7 @@ from typing import Any
 from server.store.bench_people import add_bench_people
 from server.store.engine import Database
 from server.store.schema import migrate
-from study.config import paper_study
+from study.files.demo import paper_study
 
 _CHILD = """
 import pathlib, resource, sys

@@ -22,7 +22,8 @@ from server.cli_choices import BackendName, Mode, Scale, Worker
 from server.cli_evaluate import evaluate
 from server.cli_learn import learn
 from server.cli_output import AsJson, report
-from study.errors import InvalidValue, NotFound, StudyError, UnknownStudy
+from server.cli_study import describe_problems, init, problem_lines, validate
+from study.errors import InvalidValue, NotFound, StudyError, StudyFileError, UnknownStudy
 
 if TYPE_CHECKING:
     from server.settings import Settings
@@ -56,13 +57,19 @@ def serve(
     host: Annotated[str | None, typer.Option(help="Default 127.0.0.1 or VARIL_HOST.")] = None,
     port: Annotated[int | None, typer.Option(help="Default 8000 or VARIL_PORT.")] = None,
     database_url: DatabaseUrl = None,
+    study: Annotated[
+        list[Path] | None,
+        typer.Option(help="A study file; may be given several times. Default the demo study."),
+    ] = None,
 ) -> None:
-    """Run the server with the demo study; brings an embedded database up to date first."""
+    """Run the server; brings an embedded database up to date first."""
     from server.serving import serve as run_server
-    from study.config import paper_study
+    from server.study_files import read_study_files
 
-    settings = read_settings(host=host, port=port, database_url=database_url)
-    run_server(settings, (paper_study(),))
+    settings = read_settings(
+        host=host, port=port, database_url=database_url, study_files=study or None
+    )
+    run_server(settings, read_study_files(settings.study_files))
 
 
 @app.command()
@@ -129,6 +136,8 @@ def simulate(
     report(summary, as_json)
 
 
+app.command()(init)
+app.command()(validate)
 app.command()(learn)
 app.command()(evaluate)
 
@@ -228,6 +237,9 @@ def explain(error: StudyError) -> str:
 
     if isinstance(error, UnknownStudy):
         return f"there is no study “{error.study_id}” in this database. Check --study."
+    if isinstance(error, StudyFileError):
+        lines = problem_lines(describe_problems(error))
+        return "\n  ".join([f"{error.where}: {error.what}.", *lines])
     if isinstance(error, StorageAway):
         return (
             f"the database does not answer ({error.__cause__ or 'no reason given'}). "

@@ -9,32 +9,27 @@ from study.config import Study
 from study.protocol.device import FIELDS, FIGURES
 from study.protocol.exclusions import ExclusionRule
 from study.protocol.flow import step_kind
-from study.protocol.questionnaires import (
+from study.protocol.items import (
     DECLINED,
-    AgreeItem,
-    ChoiceItem,
-    Instrument,
     Item,
     NumberItem,
+    RatingItem,
     ScaleItem,
+    SliderItem,
     answer_label,
+    levels_of,
+    may_decline,
+    unit_of,
 )
+from study.protocol.questionnaires import Instrument, Questionnaire
 from study.records.codebook import ItemEntry
 
-STEPS_ASKING = ("consent", "demographics", "questionnaire", "comments")
-REPEATED = ("questionnaire",)
 Row = dict[str, Any]
-
-
-def instruments_of(study: Study, kind: str) -> tuple[Instrument, ...]:
-    """What a kind of step asks."""
-    one = study.instrument(kind)
-    return () if one is None else (one,)
 
 
 def rules_of(study: Study) -> tuple[ExclusionRule, ...]:
     """The exclusion rules that the study declares."""
-    return tuple(getattr(study, "exclusion", ()))
+    return study.exclusion
 
 
 def study_items(config_hash: str, study: Study) -> Iterator[ItemEntry]:
@@ -42,10 +37,9 @@ def study_items(config_hash: str, study: Study) -> Iterator[ItemEntry]:
     for name in FIELDS:
         kind = "number" if name in FIGURES else "flag"
         yield ItemEntry(config_hash, "browser_check", name, kind, "measured by the browser check")
-    for step in STEPS_ASKING:
-        for instrument in instruments_of(study, step):
-            for item in instrument.items:
-                yield _entry(config_hash, instrument.name, item, step in REPEATED)
+    for instrument in study.all_instruments:
+        for item in instrument.items:
+            yield _entry(config_hash, instrument, item)
 
 
 def all_conditions(versions: Mapping[str, Study]) -> list[str]:
@@ -67,26 +61,27 @@ def complete_answer(row: Row, study: Study) -> None:
     row["position"] = position
     row["condition"] = study.orders[order][position - 1] if known and position else None
     row["instrument"], row["label"] = kind.replace("-", "_"), row["value"]
-    for instrument in instruments_of(study, kind):
-        for item in instrument.items:
-            if item.name == row["item"]:
-                row["instrument"] = instrument.name
-                row["label"] = answer_label(item, row["value"])
-                return
+    for instrument, item in study.items_asked(kind):
+        if item.name == row["item"]:
+            row["instrument"] = instrument.name
+            row["label"] = answer_label(item, row["value"])
 
 
-def _entry(config_hash: str, instrument: str, item: Item, repeated: bool) -> ItemEntry:
-    levels: tuple[tuple[str, str], ...] = ()
-    if isinstance(item, ScaleItem | ChoiceItem):
-        levels = tuple((option.value, option.label) for option in item.options)
-    elif isinstance(item, AgreeItem):
-        levels = (("yes", "ticked"),)
-    elif isinstance(item, NumberItem) and item.may_decline:
+def _entry(config_hash: str, instrument: Instrument, item: Item) -> ItemEntry:
+    levels = levels_of(item)
+    if isinstance(item, NumberItem) and may_decline(item):
         levels = ((DECLINED, answer_label(item, DECLINED)),)
-    whole = isinstance(item, NumberItem | ScaleItem) and all(_is_whole(v) for v, _ in levels)
-    unit = item.unit if isinstance(item, NumberItem) else ""
+    numeric = isinstance(item, NumberItem | ScaleItem | RatingItem | SliderItem)
     return ItemEntry(
-        config_hash, instrument, item.name, item.kind, item.label, levels, unit, repeated, whole
+        config_hash,
+        instrument.name,
+        item.name,
+        item.kind,
+        item.label,
+        levels,
+        unit_of(item),
+        isinstance(instrument, Questionnaire) and instrument.place == "each-trial",
+        numeric and all(_is_whole(value) for value, _ in levels),
     )
 
 

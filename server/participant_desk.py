@@ -24,9 +24,10 @@ from server.tokens import derive_token, looks_like_token
 from server.trial_desk import Clock, utc_now
 from study.config import Study
 from study.errors import AnswerError, UnknownStudy, UnknownToken, WrongStep
+from study.protocol.answers import validate_answers
 from study.protocol.device import judge_device
 from study.protocol.flow import FormSent, Withdrawal, comes_before, start, step_kind
-from study.protocol.questionnaires import validate_answers
+from study.protocol.questionnaires import Instrument
 
 LONGEST_PANEL_ID = 200
 
@@ -37,6 +38,11 @@ class Visit:
 
     participant: ParticipantRecord
     study: Study
+
+    def instruments(self, step_kind: str) -> tuple[Instrument, ...]:
+        """What a kind of step asks this participant, in their order of items."""
+        seed, code = self.study.seed, self.participant.code
+        return tuple(one.arranged(seed, code) for one in self.study.instruments(step_kind))
 
 
 @dataclass(frozen=True)
@@ -67,7 +73,7 @@ class ParticipantDesk:
         token = derive_token(self.secret_key, study_id, nonce)
         panel_ids = {
             name: panel[name].replace("\x00", "")[:LONGEST_PANEL_ID]
-            for name in study.panel_fields
+            for name in study.panel.parameters
             if panel.get(name)
         }
         now = self.clock()
@@ -117,12 +123,10 @@ class ParticipantDesk:
             plan, progress = visit.study.plan, participant.progress
             if step != progress.page:
                 stored = await read_answers(session, participant.id, step)
-                if comes_before(plan, step, progress) and _is_repeat(
-                    visit.study, kind, form, stored
-                ):
+                if comes_before(plan, step, progress) and _is_repeat(visit, kind, form, stored):
                     return
                 raise WrongStep(step, progress.page)
-            answers = _validate(visit.study, kind, form)
+            answers = _validate(visit, kind, form)
             await move(session, visit.study, participant, FormSent(step), now)
             times = (participant.step_shown_at, now)
             await add_answers(session, participant.id, step, answers, times)
@@ -156,20 +160,20 @@ def _check_token(token: str) -> None:
         raise UnknownToken
 
 
-def _validate(study: Study, kind: str, form: Mapping[str, str]) -> dict[str, str]:
+def _validate(visit: Visit, kind: str, form: Mapping[str, str]) -> dict[str, str]:
     if kind == "browser-check":
         return judge_device(form)
-    instrument = study.instrument(kind)
-    return {} if instrument is None else validate_answers(instrument, form)
+    items = [item for instrument in visit.instruments(kind) for item in instrument.items]
+    return validate_answers(items, form)
 
 
-def _is_repeat(study: Study, kind: str, form: Mapping[str, str], stored: Mapping[str, str]) -> bool:
+def _is_repeat(visit: Visit, kind: str, form: Mapping[str, str], stored: Mapping[str, str]) -> bool:
     """Whether a form says again what is stored. Measurements of the browser may differ."""
     if kind in ("practice", "trial", "debrief"):
         return False
     if kind == "browser-check":
         return True
     try:
-        return _validate(study, kind, form) == stored
+        return _validate(visit, kind, form) == stored
     except AnswerError:
         return False

@@ -104,6 +104,11 @@ class PolicyDesk:
                 f"no condition of the study “{study_id}” runs a policy",
                 next_step=f"Choose a study with the condition {ADAPTIVE}.",
             )
+        if study.policy_sha256:
+            raise InvalidValue(
+                f"the file of the study “{study_id}” names its policy",
+                next_step="Name another one there, or take the key `policy` out of it.",
+            )
         now = self.clock()
         async with self.database.writing() as session:
             policy = read_policy((await stored.read_entry(session, sha256)).document)
@@ -122,7 +127,7 @@ class PolicyDesk:
         if ADAPTIVE not in study.conditions:
             return None
         async with self.database.reading() as session:
-            document = await stored.find_active(session, study.study_id)
+            document = await stored.find_policy(session, study)
         if document is None:
             return ActivePolicy(shipped_policy(), chosen=False)
         return ActivePolicy(read_policy(document), chosen=True)

@@ -24,6 +24,8 @@ from server.policy_desk import PolicyDesk
 from server.settings import Settings
 from server.store.engine import Database, serve_alone
 from server.store.schema import check_schema, migrate
+from server.study_files import ReadStudy
+from server.study_versions import register_versions
 from study.config import Study
 from study.errors import StudyError
 
@@ -40,7 +42,7 @@ class PortInUse(StudyError):
         )
 
 
-def serve(settings: Settings, studies: Sequence[Study]) -> None:
+def serve(settings: Settings, studies: Sequence[ReadStudy]) -> None:
     """Serve until stopped. Raises StudyError for everything the caller can mend."""
     logging.basicConfig(level=logging.WARNING, format="%(message)s")
     logging.getLogger("server").setLevel(logging.INFO)
@@ -65,10 +67,11 @@ def bind(host: str, port: int) -> socket.socket:
     return listener
 
 
-async def _serve(settings: Settings, studies: Sequence[Study], listener: socket.socket) -> None:
+async def _serve(settings: Settings, read: Sequence[ReadStudy], listener: socket.socket) -> None:
     Renderer(web_root()).assets.check()
+    studies = [entry.study for entry in read]
     app = create_app(settings, studies)
-    password = await _prepare(settings, studies)
+    password = await _prepare(settings, read)
     _announce(settings.host, listener.getsockname()[1], studies, password)
     config = uvicorn.Config(
         app,
@@ -86,17 +89,20 @@ async def _serve(settings: Settings, studies: Sequence[Study], listener: socket.
     await uvicorn.Server(config).serve(sockets=[listener])
 
 
-async def _prepare(settings: Settings, studies: Sequence[Study]) -> str | None:
+async def _prepare(settings: Settings, read: Sequence[ReadStudy]) -> str | None:
     """Refuse a database that is in use or of another version; make the first administrator.
 
-    Says what is doubtful about the studies' policies. Returns the administrator's password if it
-    was drawn just now. The app takes the lock again for as long as it runs.
+    Says which versions are served, and what is doubtful about their policies. Returns the
+    administrator's password if it was drawn just now. The app takes the lock again for as long as
+    it runs.
     """
     database = Database(settings.database)
     try:
         async with serve_alone(database):
             await _prepare_schema(database)
-            desk = PolicyDesk(database, {study.study_id: study for study in studies})
+            for sentence in await register_versions(database, read):
+                say(sentence)
+            desk = PolicyDesk(database, {entry.study.study_id: entry.study for entry in read})
             for warning in await desk.list_warnings():
                 say(f"Warning: {warning}")
             return await ensure_admin(database, settings)

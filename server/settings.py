@@ -25,6 +25,7 @@ class Settings(BaseSettings):
         metrics_token: lets other machines than this one read `/metrics`.
         trusted_proxy: address of a proxy whose X-Forwarded-For and -Proto are believed.
         allowed_origins: further origins (scheme://host[:port]) behind which the server is reached.
+        study_files: study files to serve; the demo study where none is given.
         time_scale: world seconds per second; refused for live participants unless 1.
     """
 
@@ -39,6 +40,7 @@ class Settings(BaseSettings):
     metrics_token: SecretStr | None = None
     trusted_proxy: str = ""
     allowed_origins: tuple[str, ...] = ()
+    study_files: tuple[Path, ...] = ()
     time_scale: Annotated[float, Field(ge=1.0, le=4.0)] = 1.0
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from typing import Any, cast
 
@@ -20,7 +20,7 @@ from server.store.participants import (
     note_shown,
     read_participant,
 )
-from server.store.policies import find_active, keep_policy, read_policies
+from server.store.policies import find_policy, keep_policy, read_policies
 from server.store.studies import read_version
 from server.store.trials import (
     TrialRecord,
@@ -36,7 +36,7 @@ from study.learning.policy import Policy, read_policy
 from study.protocol.displays import display_label
 from study.protocol.flow import IdleTooLong, Submission, TrialEnded, is_trial, step_kind
 from study.protocol.orders import practice_seed, trial_seed
-from study.warehouse.halls import PRESETS, HallSpec
+from study.warehouse.halls import HallSpec
 
 Clock = Callable[[], datetime]
 PolicySource = Callable[[Study, str], Policy | None]
@@ -88,7 +88,7 @@ class StoredTrialDesk:
             trial = await find_trial(session, participant.id, step, attempt)
             if trial is None:
                 study = await read_version(session, participant.study_version_id)
-                active = await find_active(session, study.study_id)
+                active = await find_policy(session, study)
                 trial, policy = self._plan_trial(study, participant, attempt, active)
                 if policy is not None:
                     await keep_policy(session, policy, "shipped", now)
@@ -154,7 +154,7 @@ class StoredTrialDesk:
             if slot is None:
                 raise RuntimeError(f"participant {participant.code} is at {step} without an order")
             condition = cast("Any", study.orders[slot.order_index][position - 1])
-            seed, scale = trial_seed(study.seed, slot.block, position), study.scale
+            seed, scale = trial_seed(study.seed, slot.block, position), study.scale_at(position)
             label = display_label(position)
         policy = self._choose_policy(study, condition, active)
         trial = TrialRecord(
@@ -170,15 +170,15 @@ class StoredTrialDesk:
             seed=seed,
             config_hash=study.config_hash,
             config={
-                "hall": PRESETS[scale].to_json(),
+                "hall": _limit(study.hall_spec(scale), study, kind).to_json(),
                 "seed": seed,
                 "condition": condition,
                 "policy_sha256": policy.sha256 if policy else None,
                 "thresholds": study.thresholds.to_json(),
-                "ribbon_widest_at": study.ribbon_widest_at,
-                "time_scale": min(self.time_scale, study.time_scale_limit),
-                "on_disconnect": study.on_disconnect,
-                "abandon_after_s": study.abandon_after_s,
+                "ribbon_widest_at": study.display.ribbon_widest_at,
+                "time_scale": min(self.time_scale, study.limits.time_scale),
+                "on_disconnect": study.limits.on_disconnect,
+                "abandon_after_s": study.limits.abandon_after_s,
             },
             policy_sha256=policy.sha256 if policy else None,
         )
@@ -193,6 +193,12 @@ class StoredTrialDesk:
         policy = read_policy(active)
         policy.require_thresholds(study.thresholds)
         return policy
+
+
+def _limit(hall: HallSpec, study: Study, kind: str) -> HallSpec:
+    """The hall with the study's own limit on a trial's length, where it has one."""
+    limit_s = study.limits.trial_s
+    return hall if limit_s is None or kind != "trial" else replace(hall, cap_s=limit_s)
 
 
 def read_setup(trial: TrialRecord, mode: str, policy_document: str | None) -> TrialSetup:

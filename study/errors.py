@@ -6,6 +6,7 @@
     ├── InvalidValue            a value at the door is not allowed
     │   ├── LayoutError         a hall cannot be built as asked
     │   ├── PolicyError         a policy file is not usable
+    │   ├── StudyFileError      a study file has mistakes; carries all of them
     │   ├── AnswerError         answers of a form are missing or off the scale
     │   └── JournalError        stored inputs do not reproduce the recorded trial
     ├── NotFound                no such study, token, trial or step
@@ -17,10 +18,13 @@
         ├── WrongStep           a form or socket for another step than the current one
         └── NotAllowedLive      a rehearsal aid asked for by a live participant
 
-An error's sentence says what happened, where, and what to do next. This module imports nothing.
+An error's sentence says what happened, where, and what to do next.
+This module imports nothing of ours.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 
 class StudyError(Exception):
@@ -50,6 +54,19 @@ class LayoutError(InvalidValue):
 
 class PolicyError(InvalidValue):
     """A policy file is incomplete, damaged or made for something else."""
+
+
+class StudyFileError(InvalidValue):
+    """A study file was refused; `problems` are all that was found (place, value, message)."""
+
+    def __init__(self, problems: list[Any], where: str = "") -> None:
+        self.problems = problems
+        count = "one mistake" if len(problems) == 1 else f"{len(problems)} mistakes"
+        super().__init__(
+            f"the study file has {count}",
+            where=where,
+            next_step="`varil validate` lists them with their places.",
+        )
 
 
 class JournalError(InvalidValue):

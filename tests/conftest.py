@@ -24,7 +24,8 @@ from server.kernel_cache import use_kernel_cache
 from server.settings import Settings
 from server.store.engine import Database
 from server.store.schema import migrate
-from study.config import Study, paper_study
+from study.config import Study
+from study.files.demo import paper_study
 
 # Compiled code is kept between runs and shared by the whole suite, its subprocesses included.
 KERNELS = Path(__file__).parent.parent / "var" / "kernels"

@@ -27,6 +27,7 @@ ROOMS_OF_STUDY = {  # a room may import itself and the rooms named behind it
     "records": {"errors", "warehouse", "ar", "learning"},
     "protocol": {"errors", "config", "warehouse"},
     "config": {"errors", "warehouse", "ar", "protocol"},
+    "files": {"errors", "protocol", "config"},
     "policies": set(),
     "headless": {"errors", "warehouse", "ar", "learning", "people", "records"},
     "analysis": {"errors", "records"},

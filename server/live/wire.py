@@ -108,7 +108,7 @@ class Quality:
     def __post_init__(self) -> None:
         for figure in (self.long_frames, self.longest_frame_ms):
             if not 0 <= figure <= HIGHEST_FIGURE:
-                raise WireError(f"figures from 0 to {HIGHEST_FIGURE}", _brief(figure))
+                raise WireError(f"figures from 0 to {HIGHEST_FIGURE}", brief(figure))
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ async def show_landing(
     """What the study is, with a button. Stores nothing, so link previews take no place."""
     study = desk.find_study(study_id)
     query = request.query_params
-    panel = {name: query[name][:200] for name in study.panel_fields if name in query}
+    panel = {name: query[name][:200] for name in study.panel.parameters if name in query}
     return renderer.page("landing.html", {"study": study, "panel": panel, "nonce": make_nonce()})
 
 

@@ -14,6 +14,7 @@ from starlette.responses import HTMLResponse, Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
+from server.pages.markdown import render_line, render_markdown
 from study.errors import StudyError
 
 _BUNDLES = (
@@ -71,6 +72,7 @@ class Renderer:
             lstrip_blocks=True,
         )
         self._environment.globals["asset"] = self.assets.address
+        self._environment.filters |= {"markdown": render_markdown, "line": render_line}
 
     def page(self, template: str, values: Mapping[str, Any], status: int = 200) -> HTMLResponse:
         """The page as an answer."""

@@ -11,6 +11,7 @@ from starlette.responses import JSONResponse, Response
 from server.deps import RendererDep, ServicesDep
 from server.problems import Refused
 from server.store.schema import check_schema
+from study.files.schema import schema_text
 
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 router = APIRouter(include_in_schema=False)
@@ -22,6 +23,12 @@ async def show_home(services: ServicesDep, renderer: RendererDep) -> Response:
     pilots = [s for s in services.participants.studies.values() if s.recruiting == "pilot"]
     values = {"brand": "Studies with people and robots", "studies": pilots}
     return renderer.page("home.html", values)
+
+
+@router.get("/study.schema.json")
+async def give_schema() -> Response:
+    """The JSON Schema of study files, for editors."""
+    return Response(schema_text(), media_type="application/schema+json")
 
 
 @router.get("/healthz")

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from server.participant_desk import Visit
-from study.config import Study
 from study.protocol.device import FIELDS
 from study.protocol.displays import SHOWN, display_label
 from study.protocol.flow import step_kind
@@ -53,7 +52,7 @@ def view_step(visit: Visit, address: str, typed: Typed = NOTHING_TYPED) -> View:
     if kind == "browser-check":
         heading = visit.study.texts.browser_check.title
         return View("browser-check.html", values | {"heading": heading, "fields": FIELDS})
-    return _items_view(visit.study, kind, position, values)
+    return _items_view(visit, values)
 
 
 def view_withdrawal(visit: Visit, address: str) -> View:
@@ -80,21 +79,30 @@ def frame_values(visit: Visit, address: str) -> dict[str, Any]:
     }
 
 
-def _items_view(study: Study, kind: str, position: int | None, values: dict[str, Any]) -> View:
-    instrument = study.instrument(kind)
-    if instrument is None:
+def _items_view(visit: Visit, values: dict[str, Any]) -> View:
+    """A page of items; its title is that of its first instrument."""
+    step = visit.participant.progress.step
+    kind, position = step_kind(step)
+    instruments = visit.instruments(kind)
+    if not instruments:
         raise LookupError(f"the step kind {kind} has no page")
-    heading = instrument.title
+    heading = instruments[0].title
     if position is not None:
-        heading = f"{instrument.title} ({display_label(position)})"
-    button = "Finish the study" if kind == "comments" else "Save and go on"
-    labels = {item.name: item.label.rstrip(".") for item in instrument.items}
-    template = "consent.html" if kind == "consent" else "items.html"
+        heading = f"{heading} ({display_label(position)})"
     if kind == "consent":
-        heading = study.texts.consent.title
+        heading = visit.study.texts.consent.title
+    steps = visit.study.plan.steps
+    is_last = steps.index(step) == len(steps) - 2
+    labels = {item.name: item.label.rstrip(".") for one in instruments for item in one.items}
     return View(
-        template,
-        values | {"instrument": instrument, "heading": heading, "button": button, "labels": labels},
+        "consent.html" if kind == "consent" else "items.html",
+        values
+        | {
+            "instruments": instruments,
+            "heading": heading,
+            "button": "Finish the study" if is_last else "Save and go on",
+            "labels": labels,
+        },
     )
 
 
@@ -112,7 +120,7 @@ def _explanation_values(visit: Visit, position: int) -> dict[str, Any]:
         "heading": f"Round {position}: {display_label(position)}",
         "label": display_label(position),
         "position": position,
-        "rounds": len(study.conditions),
+        "rounds": study.plan.trials,
         "elements": [texts[name] for name in shown.names],
         "how": how,
     }

@@ -10,7 +10,7 @@ from server.store.engine import Database
 from server.store.participants import NewParticipant, add_participant, find_participant
 from server.store.studies import keep_version
 from server.store.trials import TrialRecord, add_trial
-from study.config import paper_study
+from study.files.demo import paper_study
 from study.protocol.flow import Progress
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Literal
@@ -10,7 +11,7 @@ from sqlalchemy import func, select
 from sqlalchemy.ext.asyncio import AsyncSession
 from sqlalchemy.orm import aliased
 
-from server.store.tables import Claim, StudyVersion
+from server.store.tables import Claim, Participant, StudyVersion
 from study.protocol.orders import Slot
 
 
@@ -33,8 +34,10 @@ async def lock_ledger(session: AsyncSession, study_id: str) -> None:
     )
 
 
-async def list_held(session: AsyncSession, study_id: str, mode: str) -> list[Slot]:
-    """Places claimed and not released, in the order claimed."""
+async def list_held(
+    session: AsyncSession, study_id: str, mode: str, versions: Collection[int]
+) -> list[Slot]:
+    """Places claimed and not released, in the order claimed, by those who joined these versions."""
     released = aliased(Claim)
     given_back = (
         select(released.id)
@@ -47,7 +50,9 @@ async def list_held(session: AsyncSession, study_id: str, mode: str) -> list[Slo
     )
     rows = await session.execute(
         select(Claim.block, Claim.order_index)
+        .join(Participant, Participant.id == Claim.participant_id)
         .where(Claim.study_id == study_id, Claim.mode == mode, Claim.kind == "claimed", ~given_back)
+        .where(Participant.study_version_id.in_(versions))
         .order_by(Claim.id)
     )
     return [Slot(block, order_index) for block, order_index in rows]

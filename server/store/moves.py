@@ -24,6 +24,7 @@ from server.store.participants import (
     store_progress,
     store_slot,
 )
+from server.store.studies import list_same_design
 from server.store.trials import abandon_open, reopen_abandoned
 from study.config import Study
 from study.protocol.flow import IdleTooLong, Progress, Submission, Withdrawal, advance
@@ -102,7 +103,7 @@ async def welcome_players(session: AsyncSession, trial_ids: Collection[str], now
 
 async def end_idle(session: AsyncSession, study: Study, now: datetime) -> int:
     """End participations of which nothing was heard for the study's limit; returns how many."""
-    limit = now - timedelta(seconds=study.abandon_after_s)
+    limit = now - timedelta(seconds=study.limits.idle_after_s)
     idle = await list_unseen(session, study.study_id, limit, UNDER_WAY)
     for participant in idle:
         await alter(session, participant, "time-out", (REASONS["time-out"], SERVER), now)
@@ -161,7 +162,8 @@ async def _claim(
 ) -> Slot:
     await lock_ledger(session, study.study_id)
     await end_idle(session, study, now)
-    held = await list_held(session, study.study_id, participant.mode)
+    versions = await list_same_design(session, study)
+    held = await list_held(session, study.study_id, participant.mode, versions)
     drawn = await count_claimed(session, study.study_id, participant.mode)
     slot = choose_slot(held, len(study.orders), study.seed, drawn)
     await store_slot(session, participant.id, slot)

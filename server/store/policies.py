@@ -23,6 +23,7 @@ from server.store.tables import (
 from study.errors import NotFound
 
 if TYPE_CHECKING:
+    from study.config import Study
     from study.learning.policy import Policy
 
 _HASH = re.compile(r"[0-9a-f]{64}")
@@ -94,6 +95,13 @@ async def read_policies(session: AsyncSession, hashes: Iterable[str]) -> dict[st
         )
     )
     return {sha256: document for sha256, document in rows}  # noqa: C416
+
+
+async def find_policy(session: AsyncSession, study: Study) -> str | None:
+    """The policy that a study's trials run: the one that it names, else the one activated."""
+    if study.policy_sha256:
+        return (await read_policies(session, [study.policy_sha256]))[study.policy_sha256]
+    return await find_active(session, study.study_id)
 
 
 async def activate(

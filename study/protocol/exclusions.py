@@ -15,7 +15,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from study.protocol.questionnaires import NAME_PATTERN, Record
+from study.protocol.records import NAME_PATTERN, Problem, Record, refuse
 
 Together = Literal["sum", "median", "highest", "lowest"]
 
@@ -39,6 +39,7 @@ QUALITY_MEASURES: tuple[Measure, ...] = (
     Measure("frame_rate_median_hz", "Hz", "median", "frames drawn a second, median"),
     Measure("frame_rate_p5_hz", "Hz", "lowest", "frame rate that 95 % of the seconds exceeded"),
     Measure("long_frames", "", "sum", "frames that took longer than 50 ms"),
+    Measure("longest_frame_ms", "ms", "highest", "the longest time that one frame took"),
     Measure("hidden_s", "s", "sum", "time in which the page was hidden"),
     Measure("unfocused_s", "s", "sum", "time in which the page did not have the keyboard"),
     Measure("pointer_lock_losses", "", "sum", "how often the pointer was set free"),
@@ -46,6 +47,8 @@ QUALITY_MEASURES: tuple[Measure, ...] = (
     Measure("paused_s", "s", "sum", "how long the world was paused"),
     Measure("idle_s", "s", "sum", "time without any input of 5 s or longer at a stretch"),
     Measure("tick_late_p99_ms", "ms", "highest", "lateness that 99 % of the ticks stayed below"),
+    Measure("tick_late_max_ms", "ms", "highest", "lateness of the latest tick"),
+    Measure("connections", "", "sum", "how often the page connected"),
 )
 TRIAL_MEASURES: tuple[Measure, ...] = (
     Measure("duration_s", "s", "sum", "time until every robot was home"),
@@ -72,9 +75,11 @@ class ExclusionRule(Record):
     @model_validator(mode="after")
     def _check_rule(self) -> Self:
         if self.measure not in MEASURES:
-            raise ValueError(f"`measure` must be one of: {', '.join(MEASURES)}")
+            known = ", ".join(MEASURES)
+            refuse([Problem(("measure",), self.measure, f"there is no such measure; use {known}")])
         if (self.above is None) == (self.below is None):
-            raise ValueError("give exactly one of `above` and `below`")
+            bounds = {"above": self.above, "below": self.below}
+            refuse([Problem((), bounds, "give exactly one of `above` and `below`")])
         return self
 
     def applies_to(self, figure: float | None) -> bool:

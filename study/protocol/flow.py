@@ -3,7 +3,10 @@
 ::
 
     consent -> browser-check -> demographics -> instructions -> practice
-        -> 3 x (explanation-k -> trial-k -> questionnaire-k) -> comments -> debrief
+        -> 3 x (explanation-k -> trial-k -> questionnaire-k) -> final -> comments -> debrief
+
+    a step on which the study asks nothing is left out (demographics, questionnaire-k, final,
+    comments)
 
     practice, not passed -> instructions again, or `screened-out` after the last try
     any step             -> `withdrawn` | `timed-out` | `excluded`
@@ -28,7 +31,8 @@ TrialEnd = Literal["completed", "timed_out"]
 
 _FIRST = ("consent", "browser-check", "demographics", "instructions", "practice")
 _REPEATED = ("explanation", "trial", "questionnaire")
-_LAST = ("comments", "debrief")
+_LAST = ("final", "comments", "debrief")
+OPTIONAL = frozenset({"demographics", "questionnaire", "final", "comments"})
 _STEP_PATTERN = re.compile(r"(?P<kind>[a-z-]+?)(?:-(?P<position>[1-9][0-9]?))?")
 
 
@@ -45,16 +49,24 @@ class UnknownStep(NotFound):
 
 @dataclass(frozen=True)
 class Plan:
-    """What the machine must know of a study: the number of trials and of practice tries."""
+    """What the machine must know of a study.
+
+    `left_out`: kinds of steps (of `OPTIONAL`) on which the study asks nothing.
+    """
 
     trials: int
     practice_tries: int
+    left_out: frozenset[str] = frozenset({"final"})
 
     @property
     def steps(self) -> tuple[str, ...]:
         """Every step id in order."""
-        repeated = tuple(f"{kind}-{k}" for k in range(1, self.trials + 1) for kind in _REPEATED)
-        return (*_FIRST, *repeated, *_LAST)
+        repeated = [kind for kind in _REPEATED if kind not in self.left_out]
+        return (
+            *(kind for kind in _FIRST if kind not in self.left_out),
+            *(f"{kind}-{k}" for k in range(1, self.trials + 1) for kind in repeated),
+            *(kind for kind in _LAST if kind not in self.left_out),
+        )
 
 
 @dataclass(frozen=True)

@@ -3,14 +3,15 @@
 Our choice (the paper says “randomly ordered”): all orders of the conditions, the least-filled one
 first, counting completed and active participants; a place is released on drop-out. A *block* is one
 set of all orders. The seed of a trial depends on block and position only, so within a block all
-orders meet the same task sets.
+orders meet the same task sets. Instead of all orders a study may use a balanced Latin square
+(Williams 1949) or a list of its own.
 """
 
 from __future__ import annotations
 
 import hashlib
 import itertools
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 
@@ -25,6 +26,29 @@ class Slot:
 def all_orders(conditions: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
     """Every permutation, in lexicographic order of positions; index = `Slot.order_index`."""
     return tuple(itertools.permutations(conditions))
+
+
+def latin_square(conditions: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
+    """A Latin square balanced for first-order carry-over [Williams 1949, doi:10.1071/CH9490149].
+
+    Every condition stands equally often at every position and follows every other equally often:
+    n orders for an even number of conditions, 2 n (the square and its mirror) for an odd one.
+    """
+    n = len(conditions)
+    zigzag = [(step + 1) // 2 if step % 2 else (n - step // 2) % n for step in range(n)]
+    rows = [tuple(conditions[(k + shift) % n] for k in zigzag) for shift in range(n)]
+    if n % 2 and n > 1:
+        rows += [row[::-1] for row in rows]
+    return tuple(rows)
+
+
+def count_successions(orders: Sequence[Sequence[str]]) -> dict[tuple[str, str], int]:
+    """How often each condition directly follows each other one."""
+    pairs = {(a, b): 0 for a in orders[0] for b in orders[0] if a != b}
+    for order in orders:
+        for pair in itertools.pairwise(order):
+            pairs[pair] += 1
+    return pairs
 
 
 def choose_slot(held: Collection[Slot], n_orders: int, study_seed: int, draw: int) -> Slot:

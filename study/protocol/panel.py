@@ -10,11 +10,11 @@ from __future__ import annotations
 import re
 import string
 from collections.abc import Mapping
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, model_validator
 
-from study.protocol.questionnaires import Record
+from study.protocol.records import Problem, Record, find_twins, refuse
 
 PROLIFIC = ("PROLIFIC_PID", "STUDY_ID", "SESSION_ID")
 RESERVED = ("join",)
@@ -52,6 +52,25 @@ class Panel(Record):
     parameters: Annotated[tuple[ParameterName, ...], Field(max_length=20)] = PROLIFIC
     identifier: str = ""
     hosts: Annotated[tuple[HostName, ...], Field(max_length=20)] = ()
+
+    @model_validator(mode="after")
+    def _check_parameters(self) -> Self:
+        problems = [
+            Problem(
+                ("parameters", later), self.parameters[later], "this parameter is named already"
+            )
+            for later, _ in find_twins(self.parameters)
+        ]
+        problems += [
+            Problem(("parameters", index), name, "this name is used by the join form itself")
+            for index, name in enumerate(self.parameters)
+            if name in RESERVED
+        ]
+        if self.identifier and self.identifier not in self.parameters:
+            allowed = f"use one of `parameters`: {', '.join(self.parameters) or 'there are none'}"
+            problems.append(Problem(("identifier",), self.identifier, allowed))
+        refuse(problems)
+        return self
 
     @property
     def person_parameter(self) -> str | None:

@@ -1,33 +1,33 @@
-"""Records for the texts of a study: plain paragraphs and points, no markup."""
+"""Records for the texts of a study. Bodies, leads and introductions are Markdown without HTML."""
 
 from __future__ import annotations
 
-from study.protocol.questionnaires import Record
+from typing import Annotated
 
+from pydantic import Field
 
-class Section(Record):
-    """A heading with paragraphs and, below them, points."""
+from study.protocol.records import Record
 
-    heading: str = ""
-    paragraphs: tuple[str, ...] = ()
-    points: tuple[str, ...] = ()
+Line = Annotated[str, Field(min_length=1, max_length=200)]
+Lead = Annotated[str, Field(max_length=2000)]
+Body = Annotated[str, Field(max_length=30_000)]
 
 
 class PageText(Record):
-    """What one page says: its title, a lead sentence and sections."""
+    """What one page says: its title, a lead sentence, and a body with headings and lists."""
 
-    title: str
-    lead: str = ""
-    sections: tuple[Section, ...] = ()
+    title: Line
+    lead: Lead = ""
+    body: Body = ""
 
 
 class ElementText(Record):
     """What an element of the display looks like and what it tells."""
 
     name: str
-    title: str
-    text: str
-    picture_alt: str
+    title: Line
+    text: Annotated[str, Field(min_length=1, max_length=2000)]
+    picture_alt: Annotated[str, Field(min_length=1, max_length=500)]
 
 
 EXCLUDED = PageText(
@@ -43,14 +43,14 @@ class StudyTexts(Record):
     consent: PageText
     browser_check: PageText
     instructions: PageText
-    practice_failed: str
+    practice_failed: Annotated[str, Field(min_length=1, max_length=2000)]
     elements: tuple[ElementText, ...]
-    adaptive_display: str
-    steady_display: str
-    plain_display: str
+    adaptive_display: Annotated[str, Field(min_length=1, max_length=2000)]
+    steady_display: Annotated[str, Field(min_length=1, max_length=2000)]
+    plain_display: Annotated[str, Field(min_length=1, max_length=2000)]
     debrief: PageText
     screened_out: PageText
     withdrawn: PageText
     timed_out: PageText
     excluded: PageText = EXCLUDED
-    contact: str
+    contact: Line

@@ -10,7 +10,9 @@ import sys
 
 from server.cli import read_settings
 from server.serving import serve
-from study.config import Study, paper_study
+from server.study_files import ReadStudy
+from study.config import Study
+from study.files.demo import paper_study
 
 
 def walk_study() -> Study:
@@ -20,4 +22,4 @@ def walk_study() -> Study:
 
 if __name__ == "__main__":
     studies = {"walk": walk_study, "demo": paper_study}
-    serve(read_settings(), (studies[sys.argv[1]](),))
+    serve(read_settings(), [ReadStudy(studies[sys.argv[1]]())])

@@ -15,7 +15,7 @@ from pathlib import Path
 from playwright.sync_api import Page, expect
 
 from browser.driver import Driver, read
-from study.config import paper_study
+from study.files.demo import paper_study
 from study.warehouse.layout import PRESETS, build_layout
 
 FORBIDDEN = re.compile(r"varil|arroch|crmiar", re.IGNORECASE)

@@ -8,14 +8,13 @@ import pytest
 from pydantic import ValidationError
 
 from study.ar.conditions import CONDITIONS
-from study.config import ScaleName, Study
+from study.config import Study
 from study.protocol.displays import ConditionName
-from study.warehouse.halls import PRESETS
 
 
 def test_the_demo_study_is_the_papers(study: Study) -> None:
     assert study.study_id == "demo"
-    assert study.scale == "study"
+    assert study.scale == ("study",)
     assert set(study.conditions) == {"varil", "arroch", "crmiar"}
     assert (study.practice.condition, study.practice.tries) == ("none", 3)
     assert len(study.orders) == 6
@@ -34,7 +33,6 @@ def test_any_change_changes_the_hash(study: Study) -> None:
 
 
 def test_names_in_a_study_are_the_names_that_exist() -> None:
-    assert set(get_args(ScaleName)) == set(PRESETS)
     assert set(get_args(ConditionName)) == set(CONDITIONS)
 
 
@@ -43,9 +41,9 @@ def test_names_in_a_study_are_the_names_that_exist() -> None:
     [
         ({"conditions": ("varil", "varil")}, "twice"),
         ({"conditions": ("magic",)}, "conditions"),
-        ({"completion_codes": {"completed": "DONE-1"}}, "screened-out"),
+        ({"endings": {"completed": {"code": "DONE-1"}}}, "screened-out"),
         ({"study_id": "../etc"}, "study_id"),
-        ({"time_scale_limit": 9.0}, "time_scale_limit"),
+        ({"limits": {"time_scale": 9.0}}, "limits.time_scale"),
         ({"practice": {"tries": 0}}, "practice.tries"),
         ({"stranger": 1}, "stranger"),
     ],

@@ -4,10 +4,20 @@ from __future__ import annotations
 
 from collections import Counter
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from study.protocol.orders import Slot, all_orders, choose_slot, practice_seed, trial_seed
+from study.config import Study
+from study.protocol.orders import (
+    Slot,
+    all_orders,
+    choose_slot,
+    count_successions,
+    latin_square,
+    practice_seed,
+    trial_seed,
+)
 
 CONDITIONS = ("varil", "arroch", "crmiar")
 
@@ -53,3 +63,21 @@ def test_seeds_depend_on_block_and_position_only_and_are_pinned() -> None:
     assert len({trial_seed(1, block, k) for block in range(50) for k in (1, 2, 3)}) == 150
     assert all(0 <= trial_seed(seed, 3, 2) < 2**63 for seed in range(100))
     assert practice_seed(1, 1) != practice_seed(1, 2)
+
+
+@pytest.mark.parametrize(("n", "rows"), [(1, 1), (2, 2), (3, 6), (4, 4), (5, 10)])
+def test_a_latin_square_is_balanced_in_places_and_in_what_follows_what(n: int, rows: int) -> None:
+    """Williams: n rows for an even number of conditions, 2 n for an odd one."""
+    orders = latin_square(tuple("abcde"[:n]))
+    assert len(orders) == len(set(orders)) == rows
+    for position in range(n):
+        assert set(Counter(order[position] for order in orders).values()) == {rows // n}
+    assert len(set(count_successions(orders).values())) <= 1
+
+
+def test_each_design_has_its_own_orders(study: Study) -> None:
+    assert study.orders == all_orders(CONDITIONS)
+    four = {"conditions": ("varil", "arroch", "crmiar", "none")}
+    assert len(study.revised(**four, order={"kind": "latin-square"}).orders) == 4
+    rows = (("crmiar", "arroch", "varil"),)
+    assert study.revised(order={"kind": "fixed", "rows": rows}).orders == rows

@@ -1,0 +1,1 @@
+"""The library of instruments: one TOML file each, with wording, anchors, scoring and source."""
