@@ -22,6 +22,7 @@ from server.cli_choices import BackendName, Mode, Scale, Worker
 from server.cli_evaluate import evaluate
 from server.cli_learn import learn
 from server.cli_output import AsJson, report
+from server.cli_rehearse import rehearse
 from server.cli_study import describe_problems, init, problem_lines, validate
 from study.errors import InvalidValue, NotFound, StudyError, StudyFileError, UnknownStudy
 
@@ -168,6 +169,7 @@ def export(
 
 
 app.command()(analyze)
+app.command()(rehearse)
 
 
 @user.command("add")
