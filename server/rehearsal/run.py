@@ -87,7 +87,7 @@ def cast_roles(options: RehearsalOptions) -> list[Role]:
     fates: list[Fate] = leaves + ["stays"] * (n - len(leaves))
     reloads, late = _choose(n, options.reload, draws), _choose(n, options.late, draws)
     return [
-        Role(fate, draws.uniform(0.1, 0.95), k in reloads, k in late)
+        Role(fate, draws.uniform(0.1, 0.85), k in reloads, k in late)
         for k, fate in enumerate(fates)
     ]
 

@@ -92,7 +92,8 @@ class Site:
     def _ask(self, method: str, path: str, body: str | None, headers: Mapping[str, str]) -> Reply:
         link = self._connect()
         try:
-            link.request(method, self._parts.path.rstrip("/") + path, body, self._own | dict(headers))
+            address = self._parts.path.rstrip("/") + path
+            link.request(method, address, body, self._own | dict(headers))
             answer = link.getresponse()
             text = answer.read().decode("utf-8", "replace")
         except (OSError, http.client.HTTPException) as error:
