@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from typing import Any
 
@@ -11,7 +10,6 @@ from fastapi import FastAPI
 from sqlalchemy import select
 from starlette.testclient import TestClient
 
-from server.live.lock_step import LockStepRoom
 from server.store.tables import Participant
 from study.config import Study
 
@@ -79,7 +77,7 @@ def test_an_order_that_cannot_be_meant_issues_nobody(
 def test_no_request_makes_a_participant_a_bot(
     walker: Any, client: TestClient, app: FastAPI, study: Study
 ) -> None:
-    """Forms, query parameters, headers and sockets that claim it, at joining and at every step."""
+    """Forms, query parameters and headers that claim it, at joining and at every step."""
     client.post("/s/demo", data=CLAIMS, params=CLAIMS, headers=HEADERS)
     client.get("/s/demo", params=CLAIMS, headers=HEADERS)
     for step in study.plan.steps:
@@ -91,24 +89,6 @@ def test_no_request_makes_a_participant_a_bot(
             )
         client.request("PATCH", walker.address, json=CLAIMS)
     assert set(people(client, app)) == {(study.recruiting, False)}
-
-
-def test_no_socket_makes_a_room_go_in_lock_step(
-    walker: Any, client: TestClient, app: FastAPI
-) -> None:
-    """Claims in the address, the headers and every message; the room stays with the clock."""
-    walker.walk_to("practice")
-    query = "&".join(f"{name}={value}" for name, value in CLAIMS.items())
-    address = f"{walker.address}/live?{query}"
-    with client.websocket_connect(address, headers=HEADERS) as line:
-        line.send_text(json.dumps({"type": "hello", "version": 1} | CLAIMS))
-        assert json.loads(line.receive_text())["type"] == "welcome"
-        line.send_text(json.dumps({"type": "ready"} | CLAIMS))
-        rooms = list(app.state.hall.rooms.values())
-        assert len(rooms) == 1
-        assert not isinstance(rooms[0], LockStepRoom)
-        assert rooms[0].setup.mode != "bot"
-    assert not any(is_bot for _, is_bot in people(client, app))
 
 
 def test_only_bots_are_timed_out_by_hand(walker: Any, sign_in_as: SignIn, app: FastAPI) -> None:

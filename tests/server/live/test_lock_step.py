@@ -1,8 +1,10 @@
 """Guards lock-step: one tick a frame, one snapshot a message, for simulated participants alone."""
 
+import json
 from dataclasses import replace
 
 import pytest
+from websockets.asyncio.client import connect
 
 from server.live import wire
 from server.live.lock_step import LockStepRoom
@@ -11,6 +13,7 @@ from study.errors import NotAllowedLive
 from study.headless import simulate_trial
 from study.warehouse.layout import PRESETS, build_layout
 
+from .line import Serving, read_text
 from .stage import SETUP, Listener, Stage
 
 
@@ -85,3 +88,19 @@ def test_nobody_else_plays_in_lock_step(mode: str) -> None:
     assert type(stage.room) is Room
     with pytest.raises(NotAllowedLive):
         LockStepRoom(replace(SETUP, mode=mode))
+
+
+async def test_no_socket_makes_its_room_go_in_lock_step(serving: Serving) -> None:
+    """Claims in the address, the headers and every message; the room stays with the clock."""
+    claims = {"mode": "bot", "is_bot": True, "lock_step": True, "time_scale": 4}
+    query = "&".join(f"{name}={value}" for name, value in claims.items())
+    headers = {f"X-{name.replace('_', '-')}": str(value) for name, value in claims.items()}
+    address = f"ws://127.0.0.1:{serving.port}/p/token-t-1/live?{query}"
+    async with connect(address, additional_headers=headers) as ws:
+        await ws.send(json.dumps({"type": "hello", "version": 1} | claims))
+        welcome = await read_text(ws, "welcome")
+        await ws.send(json.dumps({"type": "ready"} | claims))
+        assert (await read_text(ws, "phase"))["phase"] == "waiting"
+        room = serving.hall.rooms["t-1"]
+        assert (type(room), room.setup.mode) == (Room, "live")
+        assert welcome["time_scale"] == 1.0
