@@ -74,6 +74,9 @@ def test_a_participant_walks_the_whole_study(page: Page, walk_server, tmp_path: 
     check_people(tables, walk)
     check_trials(tables, walk)
     check_answers(tables, walk)
+    check_quality(tables)
+    for row in tables["trials"]:
+        walk_server.varil("replay", row["trial_id"], "--verify")
 
 
 def enter(walk: Walk, url: str) -> None:
@@ -244,6 +247,17 @@ def check_trials(tables: dict[str, list[dict[str, str]]], walk: Walk) -> None:
     for row in trials:
         assert abs(float(robots[row["trial_id"]]["wait_s"]) - float(row["sum_wait_s"])) < 1e-6
         assert any(leg["trial_id"] == row["trial_id"] for leg in tables["legs"])
+
+
+def check_quality(tables: dict[str, list[dict[str, str]]]) -> None:
+    """The page's own measurements have reached the tables; a picture in software is slow."""
+    assert len(tables["quality"]) == 3
+    for row in tables["quality"]:
+        assert int(row["reports"]) >= 1
+        assert 0 < float(row["rtt_median_ms"]) <= float(row["rtt_p95_ms"])
+        assert 0 < float(row["frame_rate_p5_hz"]) <= float(row["frame_rate_median_hz"])
+        assert (int(row["connections"]), float(row["hidden_s"])) == (1, 0.0)
+        assert float(row["tick_late_p99_ms"]) > 0
 
 
 def check_answers(tables: dict[str, list[dict[str, str]]], walk: Walk) -> None:

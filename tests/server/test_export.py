@@ -86,40 +86,56 @@ async def check_export_equals_database(database: Database) -> None:
     )
 
 
-@given(
-    people=st.lists(
-        st.tuples(st.integers(0, 16), st.sampled_from("12345"), REMARKS, ENDS), max_size=3
-    )
+PEOPLE = st.lists(
+    st.tuples(st.integers(0, 15), st.sampled_from("12345"), REMARKS, ENDS), max_size=3
 )
+People = list[tuple[int, str, str, str]]
+
+
+async def add_people(url: str, people: People, study: Study, make_result: MakeResult) -> None:
+    """Let them take part as far as told, then hold the export against the database."""
+    database = Database(url)
+    await migrate(database)
+    site = Site(database, study, make_result)
+    await site.people.register_studies()
+    for steps, rating, remark, end in people:
+        token = await site.walk(steps, rating, remark)
+        code = (await site.people.look_up(token)).participant.code
+        if end == "withdrawn":
+            await site.people.withdraw(token)
+        elif end == "erased":
+            await site.staff.erase(code, "maria")
+        elif end == "excluded":
+            await site.staff.exclude(code, " ".join(remark.split()) or "none given", "maria")
+    await check_export_equals_database(database)
+    await database.close()
+
+
+@given(people=PEOPLE)
 @settings(
     max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 def test_the_export_equals_the_database(
-    people: list[tuple[int, str, str, str]],
+    people: People,
     study: Study,
     make_result: MakeResult,
     tmp_path_factory: pytest.TempPathFactory,
 ) -> None:
-    """People who leave anywhere, withdraw or not, and write anything."""
+    """People who leave anywhere, withdraw or not, are excluded or erased, and write anything."""
+    url = f"sqlite:///{tmp_path_factory.mktemp('export')}/a.sqlite3"
+    asyncio.run(add_people(url, people, study, make_result))
 
-    async def run(url: str) -> None:
-        database = Database(url)
-        await migrate(database)
-        site = Site(database, study, make_result)
-        await site.people.register_studies()
-        for steps, rating, remark, end in people:
-            token = await site.walk(min(steps, 15), rating, remark)
-            code = (await site.people.look_up(token)).participant.code
-            if end == "withdrawn":
-                await site.people.withdraw(token)
-            elif end == "erased":
-                await site.staff.erase(code, "maria")
-            elif end == "excluded":
-                await site.staff.exclude(code, remark or "none given", "maria")
-        await check_export_equals_database(database)
-        await database.close()
 
-    asyncio.run(run(f"sqlite:///{tmp_path_factory.mktemp('export')}/a.sqlite3"))
+@pytest.mark.postgres
+@given(people=PEOPLE)
+@settings(
+    max_examples=6, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+def test_the_export_equals_the_database_on_postgresql(
+    people: People, study: Study, make_result: MakeResult, postgres_url: str
+) -> None:
+    """Every example adds its people to those before."""
+    asyncio.run(add_people(postgres_url, people, study, make_result))
 
 
 async def test_a_whole_participation_on_each_kind_of_database(site: Site) -> None:
