@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from server.export import study_items
-from study.config import paper_study
+from study.files.demo import paper_study
 from study.records.codebook import CODEBOOK, codebook_rows
 from study.records.tables import TABLES
 

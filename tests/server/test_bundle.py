@@ -22,7 +22,8 @@ from server.settings import Settings
 from server.store.engine import Database
 from server.store.schema import migrate
 from server.store.tables import StoredPolicy, Trial
-from study.config import Study, paper_study
+from study.config import Study
+from study.files.demo import paper_study
 from study.records.columns import ORIGIN
 
 from .export_site import MakeResult, Site, export, read_tables

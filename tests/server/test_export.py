@@ -20,8 +20,9 @@ from server.settings import Settings
 from server.store.engine import Database
 from server.store.schema import SchemaMismatch, migrate
 from server.store.tables import Participant, Response, Trial, TrialEvent, TrialQuality, TrialRobot
-from study.config import Study, paper_study
+from study.config import Study
 from study.errors import UnknownStudy
+from study.files.demo import paper_study
 from study.records.tables import TABLES, neutralise_formula
 
 from .export_site import MakeResult, Site, export, read_tables
