@@ -138,7 +138,7 @@ async def test_excluding_gives_the_place_back_and_reinstating_takes_it_again(sit
 
     async def held() -> list[Any]:
         async with site.database.reading() as session:
-            return await list_held(session, "demo", "pilot")
+            return await list_held(session, "demo", "pilot", await list_same_design(session, STUDY))
 
     for _ in range(2):
         await site.staff.exclude(code, "a test", "maria")
