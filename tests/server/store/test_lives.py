@@ -21,6 +21,7 @@ from server.store.engine import Database
 from server.store.lives import PARTS_OF_A_TRIAL
 from server.store.participants import UnknownParticipant
 from server.store.schema import migrate
+from server.store.studies import list_same_design
 from server.store.tables import (
     Claim,
     PanelId,
@@ -138,7 +139,8 @@ async def test_excluding_gives_the_place_back_and_reinstating_takes_it_again(sit
 
     async def held() -> list[Any]:
         async with site.database.reading() as session:
-            return await list_held(session, "demo", "pilot", await list_same_design(session, STUDY))
+            versions = await list_same_design(session, site.study)
+            return await list_held(session, "demo", "pilot", versions)
 
     for _ in range(2):
         await site.staff.exclude(code, "a test", "maria")
