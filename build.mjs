@@ -5,7 +5,7 @@ import { rm } from "node:fs/promises";
 const SOURCES = "web/static";
 const OUTPUT = "web/static/dist";
 
-const ENTRIES = ["js/play.js", "js/check.js", "js/form.js", "js/expert.js", "css/page.css", "css/play.css", "css/expert.css"];
+const ENTRIES = ["js/play.js", "js/check.js", "js/form.js", "js/expert.js", "js/staff.js", "js/watch.js", "css/page.css", "css/play.css", "css/expert.css"];
 
 await rm(OUTPUT, { recursive: true, force: true });
 await build({

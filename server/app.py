@@ -17,6 +17,7 @@ from starlette.requests import HTTPConnection, Request
 from starlette.responses import Response
 from starlette.routing import WebSocketRoute
 
+from server.admin_desk import AdminDesk
 from server.api import description
 from server.bot_desk import BotDesk
 from server.deps import Services, find_account, require_expert, require_staff
@@ -29,8 +30,21 @@ from server.live.hall import Hall
 from server.live.learning.endpoint import ExpertEndpoint
 from server.live.learning.runs import LearningRuns
 from server.live.learning.trainer import PoolTrainer
+from server.live_watch import LiveWatch
 from server.locations import web_root
-from server.pages import admin, expert, participant, policies, service, staff, worker
+from server.pages import (
+    admin,
+    admin_data,
+    admin_live,
+    admin_people,
+    admin_study,
+    expert,
+    participant,
+    policies,
+    service,
+    staff,
+    worker,
+)
 from server.pages.errors import answer_error
 from server.pages.rendering import CachedFiles, Renderer
 from server.participant_desk import ParticipantDesk
@@ -38,6 +52,7 @@ from server.policy_desk import PolicyDesk
 from server.security import Guard, same_origin
 from server.settings import Settings
 from server.signin import SignIns
+from server.staff_sockets import staff_sockets
 from server.store.engine import Database, StorageAway, serve_alone
 from server.store.schema import check_schema
 from server.tokens import mask_server_logs
@@ -63,11 +78,16 @@ def create_app(settings: Settings, studies: Sequence[Study]) -> FastAPI:
         title="VARIL", docs_url=None, redoc_url=None, openapi_url=None, lifespan=_lifespan
     )
     app.state.services = services
-    for pages in (service, participant, staff, admin, policies, expert, worker):
+    for pages in (service, participant, staff, expert, worker):
+        app.include_router(pages.router)
+    for pages in (admin, admin_people, admin_live, admin_data, admin_study, policies):
         app.include_router(pages.router)
     for router in (*description.ROUTERS, description.router):
         app.include_router(router)
     app.state.hall = _build_hall(services)
+    app.state.admin_desk = AdminDesk(
+        services.database, services.policies, LiveWatch(app.state.hall), settings.time_scale
+    )
     app.state.runs = _build_runs(services, app.state.hall)
     app.router.routes += _live_routes(services, app.state.hall, app.state.runs)
     app.mount("/static", CachedFiles(directory=web_root() / "static", check_dir=False))
@@ -106,6 +126,7 @@ def _live_routes(services: Services, hall: Hall, runs: LearningRuns) -> list[Web
         WebSocketRoute("/p/{token}/live", LiveEndpoint(hall, is_ours)),
         WebSocketRoute("/w/{token}/live", LiveEndpoint(runs, is_ours, "/w")),
         WebSocketRoute("/expert/runs/{run}/live", ExpertEndpoint(runs, is_ours, identify)),
+        *staff_sockets(services, hall, is_ours),
     ]
 
 

@@ -10,6 +10,7 @@ from typing import Annotated, cast
 from fastapi import Depends, Request
 from prometheus_client import CollectorRegistry
 
+from server.admin_desk import AdminDesk
 from server.bot_desk import BotDesk
 from server.learning_desk import StoredLearningDesk
 from server.pages.rendering import Renderer
@@ -47,6 +48,11 @@ def get_services(request: Request) -> Services:
 
 
 ServicesDep = Annotated[Services, Depends(get_services)]
+
+
+def get_admin_desk(request: Request) -> AdminDesk:
+    """The desk for administrators."""
+    return cast("AdminDesk", request.app.state.admin_desk)
 
 
 def get_desk(services: ServicesDep) -> ParticipantDesk:
@@ -123,3 +129,4 @@ UploadDep = Annotated[Upload, Depends(read_upload)]
 StaffDep = Annotated[StaffRecord, Depends(require_staff)]
 ExpertDep = Annotated[StaffRecord, Depends(require_expert)]
 AdminDep = Annotated[StaffRecord, Depends(require_admin)]
+AdminDeskDep = Annotated[AdminDesk, Depends(get_admin_desk)]

@@ -98,6 +98,18 @@ class StoredTrialDesk:
         document = policies.get(trial.policy_sha256 or "")
         return OpenTrial(read_setup(trial, participant.mode, document), journal, events)
 
+    async def recall(self, trial_id: str) -> OpenTrial:
+        """A participant's stored trial with its journal; raises `UnknownTrial`."""
+        async with self.database.reading() as session:
+            trial = await read_trial(session, trial_id)
+            if trial.participant_id is None:
+                raise UnknownTrial(trial_id)
+            participant = await read_participant(session, trial.participant_id)
+            journal, events = await read_journal(session, trial.id)
+            policies = await read_policies(session, [trial.policy_sha256 or ""])
+        document = policies.get(trial.policy_sha256 or "")
+        return OpenTrial(read_setup(trial, participant.mode, document), journal, events)
+
     async def commit(self, batches: Sequence[TrialBatch]) -> Collection[str]:
         """Store what all rooms added, in one transaction; returns the trials that are over."""
         async with self.database.writing() as session:

@@ -55,12 +55,13 @@ class Room:
         self._audience = Audience(setup, world)
         self._audience.show(display.display)
         self._participant: Sink | None = None
-        self._presence = Presence(clock)
+        self.presence = Presence(clock)
         self._is_ready = False
         self._reason: PhaseReason = "start" if world.tick == 0 else "resume"
         self._countdown_end_s = 0.0
         self._credit = 0.0
         self._is_snapshot_turn = False
+        self.abandon_after_s = setup.abandon_after_s
 
     # ---- what a socket hands in -------------------------------------------------------------
 
@@ -76,7 +77,7 @@ class Room:
         self._participant = sink
         self._is_ready = False
         self._inbox.clear()
-        self._presence.arrive()
+        self.presence.arrive()
         self._audience.add(sink, self._inbox.acknowledged_seq)
         sink.send_text(self._phase_text())
 
@@ -86,7 +87,7 @@ class Room:
         if sink is not self._participant:
             return
         self._participant = None
-        self._presence.leave()
+        self.presence.leave()
         self._chronicle.note("disconnected", {"code": code})
         self._inbox.clear()
         self._stop_running()
@@ -104,7 +105,7 @@ class Room:
     def take_ready(self) -> None:
         """The client has drawn its first frame, or wants to go on: the countdown starts."""
         self._is_ready = True
-        self._presence.hear()
+        self.presence.hear()
         self._go_on()
 
     def take_input(self, message: wire.Input) -> None:
@@ -112,10 +113,10 @@ class Room:
         if self.phase != "running":
             if not self._is_ready:
                 raise wire.WireError("“ready” before any input", "an input message")
-            self._presence.hear()
+            self.presence.hear()
             return
         self._inbox.put(message)
-        silent_s = self._presence.hear_input()
+        silent_s = self.presence.hear_input()
         if silent_s is not None:
             self._chronicle.note_client("input_resumed", {"silent_s": round(silent_s, 3)})
 
@@ -125,23 +126,23 @@ class Room:
             "attention",
             {"visible": message.visible, "focused": message.focused, "locked": message.locked},
         )
-        self._presence.is_page_shown = message.visible
+        self.presence.is_page_shown = message.visible
         self.take_ping()
 
     def take_context(self, message: wire.Context) -> None:
         """Store that the graphics context was lost or restored."""
-        self._presence.hear()
+        self.presence.hear()
         self._chronicle.note_client("context", {"lost": message.lost})
 
     def take_quality(self, message: wire.Quality) -> None:
         """Store what the page measured of its picture and connection."""
-        self._presence.hear()
+        self.presence.hear()
         self._chronicle.note_quality(message)
 
     def take_ping(self) -> None:
         """The page is alive; a world that paused because it was silent goes on."""
-        self._presence.hear()
-        if self._is_ready and self._presence.is_page_shown:
+        self.presence.hear()
+        if self._is_ready and self.presence.is_page_shown:
             self._go_on()
 
     # ---- time -------------------------------------------------------------------------------
@@ -199,7 +200,7 @@ class Room:
 
         One that had already ended, but whose result was not stored yet, ends again.
         """
-        self._presence.backdate_absence(absent_s)
+        self.presence.backdate_absence(absent_s)
         if self.world.status != "running":
             self._finish(*ENDINGS[self.world.status])
         elif was_abandoned:
@@ -240,7 +241,7 @@ class Room:
 
     def _start_running(self) -> None:
         self._inbox.clear()
-        self._presence.expect_input()
+        self.presence.expect_input()
         self._credit = 0.0
         self._chronicle.note("started", {"seq": self._inbox.acknowledged_seq})
         self._change_phase("running", self._reason)
@@ -279,18 +280,18 @@ class Room:
     # ---- silence ----------------------------------------------------------------------------
 
     def _check_input(self) -> None:
-        verdict = self._presence.check_input()
+        verdict = self.presence.check_input()
         if verdict == "silent":
             self._chronicle.note_client("input_silent", {})
         elif verdict == "too long" and self.setup.on_disconnect == "pause":
             self._pause("silent")
 
     def _check_absence(self) -> None:
-        if self._participant is not None and self._presence.is_mute():
+        if self._participant is not None and self.presence.is_mute():
             sink = self._participant
             self.leave(sink, CloseCode.SILENT)
             sink.close(CloseCode.SILENT, "nothing was heard from this page for too long")
-        elif self._presence.absent_s() > self.setup.abandon_after_s:
+        elif self.presence.absent_s() > self.abandon_after_s:
             self._chronicle.note("abandoned")
             self._finish("timed_out", "abandoned")
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, Response
 from starlette.staticfiles import StaticFiles
@@ -19,6 +20,7 @@ from study.errors import StudyError
 
 _BUNDLES = (
     "page.css", "play.css", "expert.css", "play.js", "check.js", "form.js", "expert.js",
+    "staff.js", "watch.js",
 )  # fmt: skip
 
 
@@ -72,7 +74,11 @@ class Renderer:
             lstrip_blocks=True,
         )
         self._environment.globals["asset"] = self.assets.address
-        self._environment.filters |= {"markdown": render_markdown, "line": render_line}
+        self._environment.filters |= {
+            "markdown": render_markdown,
+            "line": render_line,
+            "when": time_element,
+        }
 
     def page(self, template: str, values: Mapping[str, Any], status: int = 200) -> HTMLResponse:
         """The page as an answer."""
@@ -82,6 +88,14 @@ class Renderer:
 def moment(at: datetime | None) -> str:
     """A moment in UTC as tables show it; nothing for none."""
     return f"{at:%Y-%m-%d %H:%M:%S}" if at else ""
+
+
+def time_element(at: datetime | None) -> Markup:
+    """A moment for staff: in UTC until the page's code turns it into the viewer's own time."""
+    if at is None:
+        return Markup()
+    machine, human = f"{at:%Y-%m-%dT%H:%M:%S}Z", moment(at)
+    return Markup('<time datetime="{}" title="{} UTC">{}</time>').format(machine, human, human)
 
 
 class CachedFiles(StaticFiles):

@@ -20,6 +20,7 @@ from server.store.tables import (
     Participant,
     ParticipantChange,
     Response,
+    StaffNote,
     Trial,
     TrialChunk,
     TrialEvent,
@@ -89,6 +90,7 @@ async def erase_data(session: AsyncSession, participant_id: int, now: datetime) 
         await session.scalars(select(Trial.id).where(Trial.participant_id == participant_id))
     )
     gone = {"panel_ids": await _delete(session, PanelId.participant_id, [participant_id])}
+    gone["staff_notes"] = await _delete(session, StaffNote.participant_id, [participant_id])
     gone["responses"] = await _delete(session, Response.participant_id, [participant_id])
     for table in PARTS_OF_A_TRIAL:
         gone[table.__tablename__] = await _delete(session, cast("Any", table).trial_id, trials)

@@ -104,7 +104,7 @@ async def welcome_players(session: AsyncSession, trial_ids: Collection[str], now
 async def end_idle(session: AsyncSession, study: Study, now: datetime) -> int:
     """End participations of which nothing was heard for the study's limit; returns how many."""
     limit = now - timedelta(seconds=study.limits.idle_after_s)
-    idle = await list_unseen(session, study.study_id, limit, UNDER_WAY)
+    idle = await list_unseen(session, study.study_id, limit, UNDER_WAY, now)
     for participant in idle:
         await alter(session, participant, "time-out", (REASONS["time-out"], SERVER), now)
     return len(idle)

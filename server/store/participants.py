@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import cast
 
-from sqlalchemy import func, select, update
+from sqlalchemy import false, func, not_, select, update
 from sqlalchemy.ext.asyncio import AsyncSession
 
 from server.store.inserting import insert_new
@@ -109,7 +109,7 @@ async def find_participant(
     row = await session.scalar(query.with_for_update() if lock else query)
     if row is None:
         raise UnknownToken
-    return _record(row)
+    return as_record(row)
 
 
 async def read_participant(
@@ -117,7 +117,7 @@ async def read_participant(
 ) -> ParticipantRecord:
     """The participant with this id."""
     query = select(Participant).where(Participant.id == participant_id)
-    return _record((await session.scalars(query.with_for_update() if lock else query)).one())
+    return as_record((await session.scalars(query.with_for_update() if lock else query)).one())
 
 
 async def store_progress(
@@ -165,20 +165,35 @@ async def note_shown(session: AsyncSession, participant_id: int, now: datetime) 
 
 
 async def list_unseen(
-    session: AsyncSession, study_id: str, seen_before: datetime, statuses: Collection[Status]
+    session: AsyncSession,
+    study_id: str,
+    seen_before: datetime,
+    statuses: Collection[Status],
+    now: datetime | None = None,
 ) -> list[ParticipantRecord]:
-    """Participants last seen before this moment; those busy elsewhere are left out."""
+    """Participants last seen before this moment; those busy elsewhere are left out, and with `now`
+    those who were given time beyond it.
+    """
+    spared = false() if now is None else func.coalesce(Participant.grace_until > now, false())
     rows = await session.scalars(
         select(Participant)
         .where(
             Participant.study_id == study_id,
             Participant.status.in_(statuses),
             Participant.seen_at < seen_before,
+            not_(spared),
         )
         .order_by(Participant.id)
         .with_for_update(skip_locked=True)
     )
-    return [_record(row) for row in rows]
+    return [as_record(row) for row in rows]
+
+
+async def give_time(session: AsyncSession, participant_id: int, until: datetime) -> None:
+    """Let nobody time this participant out before then."""
+    await session.execute(
+        update(Participant).where(Participant.id == participant_id).values(grace_until=until)
+    )
 
 
 async def list_paused_players(
@@ -190,7 +205,7 @@ async def list_paused_players(
         .join(Trial, Trial.participant_id == Participant.id)
         .where(Participant.status == "paused", Trial.status == "open")
     )
-    return [_record(row) for row, trial_id in rows if trial_id in trial_ids]
+    return [as_record(row) for row, trial_id in rows if trial_id in trial_ids]
 
 
 async def find_by_code(
@@ -201,7 +216,7 @@ async def find_by_code(
     row = await session.scalar(query.with_for_update() if lock else query)
     if row is None:
         raise UnknownParticipant(code)
-    return _record(row)
+    return as_record(row)
 
 
 async def list_participants(
@@ -213,7 +228,7 @@ async def list_participants(
     rows = await session.scalars(
         select(Participant).where(here).order_by(Participant.id.desc()).offset(offset).limit(limit)
     )
-    return [_record(row) for row in rows], count or 0
+    return [as_record(row) for row in rows], count or 0
 
 
 async def count_by_status(session: AsyncSession) -> dict[tuple[str, str, str], int]:
@@ -226,7 +241,8 @@ async def count_by_status(session: AsyncSession) -> dict[tuple[str, str, str], i
     return {(study, mode, status): count for study, mode, status, count in rows}
 
 
-def _record(row: Participant) -> ParticipantRecord:
+def as_record(row: Participant) -> ParticipantRecord:
+    """The row as a record without its token."""
     slot = None
     if row.block is not None and row.order_index is not None:
         slot = Slot(row.block, row.order_index)

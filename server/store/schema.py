@@ -14,7 +14,7 @@ if TYPE_CHECKING:  # loaded only when there is something to migrate: it costs ev
     from alembic.config import Config
     from alembic.script import ScriptDirectory
 
-CURRENT = "0003"
+CURRENT = "0004"
 """The newest revision below migrations/versions; a test holds the two equal."""
 
 

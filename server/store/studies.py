@@ -102,3 +102,13 @@ async def list_same_design(session: AsyncSession, study: Study) -> list[int]:
         if (other.orders, other.seed) == (study.orders, study.seed):
             same.append(version_id)
     return same
+
+
+async def list_ids(session: AsyncSession, study_id: str) -> dict[int, Study]:
+    """All versions of a study by their id."""
+    rows = await session.execute(
+        select(StudyVersion.id, StudyVersion.config_json, StudyVersion.config_hash)
+        .where(StudyVersion.study_id == study_id)
+        .order_by(StudyVersion.id)
+    )
+    return {number: read_stored(text, config_hash) for number, text, config_hash in rows}

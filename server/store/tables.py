@@ -45,6 +45,7 @@ __all__ = (
     "ParticipantChange",
     "PolicyActivation",
     "Response",
+    "StaffNote",
     "StoredPolicy",
     "StudyVersion",
     "Trial",
@@ -77,7 +78,8 @@ class Participant(Base):
     """One participation. The token is stored hashed; panel ids live in a table of their own.
 
     `status_before` is what an excluded one was before. Of an erased one this row stays as a
-    tombstone: its code, where it stood, and when.
+    tombstone: its code, where it stood, and when. Before `grace_until`, which staff can set, nobody
+    is timed out.
     """
 
     __tablename__ = "participants"
@@ -104,6 +106,7 @@ class Participant(Base):
     step_shown_at: Mapped[datetime | None]
     ended_at: Mapped[datetime | None]
     erased_at: Mapped[datetime | None]
+    grace_until: Mapped[datetime | None]
 
 
 class ParticipantChange(Base):
@@ -150,6 +153,23 @@ class Claim(Base):
     kind: Mapped[str] = mapped_column(String(10))
     reason: Mapped[str] = mapped_column(String(40))
     at: Mapped[datetime]
+
+
+class StaffNote(Base):
+    """What a member of staff wrote about a participant, or about a moment of one of their trials.
+
+    `tick` is the moment of the trial `trial_id`; both are None for a note about the participant.
+    """
+
+    __tablename__ = "staff_notes"
+    __table_args__ = (Index("ix_staff_notes_participant_id", "participant_id"),)
+    id: Mapped[int] = mapped_column(RowId, primary_key=True)
+    participant_id: Mapped[int] = mapped_column(ForeignKey("participants.id"))
+    trial_id: Mapped[str | None] = mapped_column(ForeignKey("trials.id"))
+    tick: Mapped[int | None]
+    at: Mapped[datetime]
+    user_name: Mapped[str] = mapped_column(String(64))
+    text: Mapped[str] = mapped_column(String(500))
 
 
 class Response(Base):

@@ -33,7 +33,8 @@ PLACES = {
     "run": "0" * 32,
     "iteration": "0",
     "sha256": "0" * 64,
-    "code": "P-XXXXXXXX",
+    "code": "P-NOBODY22",
+    "trial": "0" * 32,
     "trial_id": "0" * 32,
 }
 
@@ -134,6 +135,23 @@ def close_code(client: TestClient, path: str, headers: dict[str, str]) -> int:
                 line.receive_text()
     except WebSocketDisconnect as ended:
         return ended.code
+
+
+def test_sockets_for_administrators_refuse_everybody_else(
+    client: TestClient, app: FastAPI, sign_in_as: SignIn
+) -> None:
+    """Who is not signed in, is an expert, or comes from another site hears nothing."""
+    sockets = [r.path for r in routes_of(app) if isinstance(r, WebSocketRoute)]
+    ours = [fill(path) for path in sockets if path.startswith("/admin")]
+    assert len(ours) == 3
+    for path in ours:
+        assert close_code(client, path, {}) == 4403
+    sign_in_as("expert")
+    for path in ours:
+        assert close_code(client, path, {}) == 4403
+    sign_in_as("admin")
+    for path in ours:
+        assert close_code(client, path, {"origin": "https://evil.example"}) == 4403
 
 
 def test_sockets_for_experts_refuse_everybody_else(
