@@ -32,7 +32,7 @@ class LockStepRoom(Room):
         if self.phase != "running":
             super().take_input(message)
             return
-        self._presence.hear_input()
+        self.presence.hear_input()
         for number, frame in enumerate(message.frames):
             self._inbox.put(wire.Input(message.first_seq + number, (frame,)))
             if len(self._inbox) and self.phase == "running":
