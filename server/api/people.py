@@ -10,12 +10,14 @@ from server.api.records import (
     Change,
     Limit,
     Mode,
+    Name,
     Offset,
     Page,
     Participant,
     ParticipantDetail,
     Reason,
     Trial,
+    Wanted,
 )
 from server.deps import AdminDep, Services, ServicesDep
 from server.life_desk import LifeDesk
@@ -25,7 +27,6 @@ from server.store.trials import UnknownTrial
 from study.protocol.lifecycle import Status
 
 router = APIRouter(prefix="/api/v1", tags=["participants"])
-StudyId = Annotated[str, Query(max_length=40, description="Only this study's.")]
 TrialStatus = Annotated[str | None, Query(pattern="^(open|completed|timed_out|abandoned)$")]
 
 
@@ -33,20 +34,20 @@ TrialStatus = Annotated[str | None, Query(pattern="^(open|completed|timed_out|ab
 async def list_participants(
     services: ServicesDep,
     user: AdminDep,
-    study: StudyId = "",
+    study: Wanted = None,
     mode: Mode | None = None,
     status: Status | None = None,
     offset: Offset = 0,
     limit: Limit = 100,
 ) -> Page[Participant]:
     """One page of participants, oldest first."""
-    rows, total = await _read_people(services, Listing(offset, limit, study, mode, status))
+    rows, total = await _read_people(services, Listing(offset, limit, study or "", mode, status))
     items = [Participant(**row) for row in rows]
     return Page(total=total, offset=offset, limit=limit, items=items)
 
 
 @router.get("/participants/{code}")
-async def read_participant(code: str, services: ServicesDep, user: AdminDep) -> ParticipantDetail:
+async def read_participant(code: Name, services: ServicesDep, user: AdminDep) -> ParticipantDetail:
     """One participant with the history of the participation."""
     rows, _ = await _read_people(services, Listing(0, 1, code=code))
     if not rows:
@@ -57,7 +58,7 @@ async def read_participant(code: str, services: ServicesDep, user: AdminDep) -> 
 
 @router.post("/participants/{code}/exclude")
 async def exclude_participant(
-    code: str, why: Reason, services: ServicesDep, user: AdminDep
+    code: Name, why: Reason, services: ServicesDep, user: AdminDep
 ) -> ParticipantDetail:
     """Take a participant out of the analysis and give the place back."""
     await LifeDesk(services.database).exclude(code, why.reason, user.name)
@@ -66,7 +67,7 @@ async def exclude_participant(
 
 @router.post("/participants/{code}/reinstate")
 async def reinstate_participant(
-    code: str, why: Reason, services: ServicesDep, user: AdminDep
+    code: Name, why: Reason, services: ServicesDep, user: AdminDep
 ) -> ParticipantDetail:
     """Take an exclusion back."""
     await LifeDesk(services.database).reinstate(code, why.reason, user.name)
@@ -77,22 +78,22 @@ async def reinstate_participant(
 async def list_all_trials(
     services: ServicesDep,
     user: AdminDep,
-    study: StudyId = "",
-    participant: Annotated[str | None, Query(max_length=40)] = None,
+    study: Wanted = None,
+    participant: Wanted = None,
     mode: Mode | None = None,
     status: TrialStatus = None,
     offset: Offset = 0,
     limit: Limit = 100,
 ) -> Page[Trial]:
     """One page of participants' trials, oldest first."""
-    wanted = Listing(offset, limit, study, mode, status, participant)
+    wanted = Listing(offset, limit, study or "", mode, status, participant)
     async with services.database.reading() as session:
         rows, total = await list_trials(session, wanted)
     return Page(total=total, offset=offset, limit=limit, items=[Trial(**row) for row in rows])
 
 
 @router.get("/trials/{trial_id}", tags=["trials"])
-async def read_trial(trial_id: str, services: ServicesDep, user: AdminDep) -> Trial:
+async def read_trial(trial_id: Name, services: ServicesDep, user: AdminDep) -> Trial:
     """One trial of a participant."""
     async with services.database.reading() as session:
         rows, _ = await list_trials(session, Listing(0, 1, trial_id=trial_id))

@@ -7,7 +7,7 @@ from typing import Any
 
 from fastapi import APIRouter
 
-from server.api.records import Limit, Offset, Page, Policy
+from server.api.records import Limit, Name, Offset, Page, Policy
 from server.deps import AdminDep, ServicesDep
 
 router = APIRouter(prefix="/api/v1/policies", tags=["policies"])
@@ -25,7 +25,7 @@ async def list_policies(
 
 
 @router.get("/{sha256}")
-async def read_policy(sha256: str, services: ServicesDep, user: AdminDep) -> dict[str, Any]:
+async def read_policy(sha256: Name, services: ServicesDep, user: AdminDep) -> dict[str, Any]:
     """A policy's file, as `varil simulate --policy` reads it."""
     entry = await services.policies.read_entry(sha256)
     document: dict[str, Any] = json.loads(entry.document)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
-from fastapi import Query
+from fastapi import Path, Query
 from pydantic import BaseModel, ConfigDict, Field
 
 from server.bot_desk import MOST_AT_ONCE
@@ -15,7 +15,10 @@ Row = TypeVar("Row")
 Mode = Literal["live", "pilot", "bot"]
 Offset = Annotated[int, Query(ge=0, le=2**31, description="How many rows to pass over.")]
 Limit = Annotated[int, Query(ge=1, le=500, description="How many rows to answer at most.")]
-Code = Annotated[str, Field(min_length=1, max_length=40)]
+PRINTABLE = r"^[^\x00]*$"
+Name = Annotated[str, Path(max_length=64, pattern=PRINTABLE)]
+Wanted = Annotated[str | None, Query(max_length=40, pattern=PRINTABLE)]
+Code = Annotated[str, Field(min_length=1, max_length=40, pattern=PRINTABLE)]
 
 
 class Answer(BaseModel):
@@ -143,7 +146,7 @@ class Reason(BaseModel):
     """Why a participant is excluded or reinstated."""
 
     model_config = ConfigDict(extra="forbid")
-    reason: Annotated[str, Field(min_length=1, max_length=200)]
+    reason: Annotated[str, Field(min_length=1, max_length=200, pattern=PRINTABLE)]
 
 
 class BotOrder(BaseModel):

@@ -8,7 +8,7 @@ from typing import Any
 from fastapi import APIRouter
 from starlette.responses import StreamingResponse
 
-from server.api.records import Mode, StudyDetail, StudySummary
+from server.api.records import Mode, Name, StudyDetail, StudySummary
 from server.deps import AdminDep, Services, ServicesDep
 from server.export import ExportOptions
 from server.export_process import begin_export
@@ -31,7 +31,7 @@ async def list_studies(services: ServicesDep, user: AdminDep) -> list[StudySumma
 
 
 @router.get("/{study_id}")
-async def read_study(study_id: str, services: ServicesDep, user: AdminDep) -> StudyDetail:
+async def read_study(study_id: Name, services: ServicesDep, user: AdminDep) -> StudyDetail:
     """One study with its whole definition."""
     study = services.participants.find_study(study_id)
     return StudyDetail(
@@ -44,7 +44,7 @@ async def read_study(study_id: str, services: ServicesDep, user: AdminDep) -> St
 
 @router.get("/{study_id}/export", tags=["export"], responses=_ZIP, response_class=StreamingResponse)
 async def export_study(
-    study_id: str,
+    study_id: Name,
     services: ServicesDep,
     user: AdminDep,
     mode: Mode | None = None,
