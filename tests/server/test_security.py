@@ -113,6 +113,7 @@ def fill(address: str, token: str) -> str:
         sha256="0" * 64,
         code="P-NOBODY22",
         trial="0" * 32,
+        trial_id="0" * 32,
     )
 
 
