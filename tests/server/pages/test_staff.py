@@ -133,7 +133,7 @@ def test_the_list_shows_who_takes_part_and_the_export_can_be_downloaded(
 ) -> None:
     walker.walk_to("trial-2")
     sign_in(staffed, "admin")
-    page = staffed.get("/admin").text
+    page = staffed.get("/admin/participants").text
     assert "trial-2" in page
     assert "active" in page
     assert walker.token not in page
@@ -148,10 +148,13 @@ def test_a_list_longer_than_a_page_is_paged(staffed: TestClient, join: Any) -> N
     for _ in range(51):
         join()
     sign_in(staffed, "admin")
-    first, second = staffed.get("/admin").text, staffed.get("/admin?page=2").text
+    first, second = (
+        staffed.get("/admin/participants").text,
+        staffed.get("/admin/participants?page=2").text,
+    )
     assert (first.count('scope="row"'), second.count('scope="row"')) == (50, 1)
     assert "Page 2 of 2" in second
-    assert staffed.get("/admin?page=99").status_code == 200
+    assert staffed.get("/admin/participants?page=99").status_code == 200
 
 
 @pytest.mark.parametrize(
