@@ -162,7 +162,7 @@ def test_a_refresh_resumes_the_running_trial_after_a_countdown(trial: Page) -> N
     wait_for_tick(trial, TICK_HZ)
     before = last_place(trial)
     trial.reload()
-    expect(trial.locator(".count")).to_be_visible()
+    expect(trial.locator(".count")).to_be_visible(timeout=30_000)
     wait_for_running(trial)
     welcomes, phases = trial.evaluate("() => [tap.welcomes, tap.phases]")
     assert len(welcomes) == 1
