@@ -20,6 +20,7 @@ class AnalysisOptions:
     out: Path
     mode: str | None = None
     planned_n: int | None = None
+    keep_marked: bool = False
 
 
 def analyze(options: AnalysisOptions) -> dict[str, Any]:
@@ -28,7 +29,8 @@ def analyze(options: AnalysisOptions) -> dict[str, Any]:
     Errors: BundleError if the zip cannot be believed; nothing is written then.
     """
     bundle = read_bundle(options.file, options.mode)
-    report = build_report(read_study(bundle), options.planned_n)
+    data = read_study(bundle, keep_marked=options.keep_marked)
+    report = build_report(data, options.planned_n)
     files = write_analysis(report, bundle, options.out)
     return {
         "report": str(options.out / REPORT),

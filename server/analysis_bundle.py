@@ -29,10 +29,10 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
     "responses.csv": (
         "participant_code", "mode", "position", "condition", "instrument", "item", "value",
     ),
-    "codebook.csv": ("name", "type", "meaning", "levels"),
+    "codebook.csv": ("file", "name", "type", "meaning", "levels"),
 }  # fmt: skip
 """Files that an analysis needs, and their columns that it reads."""
-OPTIONAL = ("quality.csv",)
+OPTIONAL = ("quality.csv", "wide.csv")
 MODES = ("live", "pilot", "bot")
 _PIECE = 1 << 20
 

@@ -1,29 +1,34 @@
 """From the cells of an export to the people, trials and answers of an analysis.
 
-Columns that older exports lack (`excluded`, quality.csv) are optional.
+What exclusion rules of the study mark is left out unless it is asked to be kept.
 """
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from server.analysis_bundle import Bundle, BundleError, Row
-from study.analysis.cases import MEASURES, Answer, Item, Person, StudyData, TrialCase
+from study.analysis.cases import MEASURES, SCORE, Answer, Item, Person, StudyData, TrialCase
+from study.analysis.wording import count
 
-_REASONS = ("excluded_reason", "exclusion_reason", "reason", "status_reason", "flags", "rule")
-_NO = frozenset({"", "false", "0", "no", "f", "n"})
+Marks = Mapping[tuple[str, str], str]
+"""Rules that trials break, by participant and position."""
 
 
-def read_study(bundle: Bundle) -> StudyData:
-    """The study's data of the bundle's mode. Errors: BundleError naming file, row and column."""
+def read_study(bundle: Bundle, *, keep_marked: bool = False) -> StudyData:
+    """The study's data of the bundle's mode.
+
+    `keep_marked` counts what exclusion rules mark, but not those whom staff excluded. Errors:
+    BundleError naming file, row and column.
+    """
     people = bundle.rows["participants.csv"]
     codes = Counter(row["participant_code"] for row in people)
     for code, times in sorted(codes.items()):
         if not code or times > 1:
             raise BundleError(
-                f"{times} rows have the participant code “{code[:20]}”",
+                f"the participant code “{code[:20]}” stands in {count(times, 'row')}",
                 where=f"{bundle.name}, participants.csv",
                 next_step="Analyse one export of one study.",
             )
@@ -33,51 +38,41 @@ def read_study(bundle: Bundle) -> StudyData:
             where=f"{bundle.name}, participants.csv",
             next_step="Analyse one export of one study.",
         )
-    flagged = _flagged(bundle.rows.get("quality.csv", []))
+    marks = {
+        (row["participant_code"], row["position"]): _rules(row)
+        for row in bundle.rows.get("quality.csv", [])
+        if row.get("flags")
+    }
     known = set(codes)
+    items = _items(bundle)
     return StudyData(
         study_id=people[0]["study_id"] if people else "",
         mode=bundle.mode,
         versions=tuple(sorted({row["config_hash"] for row in people})),
-        people=tuple(_person(row, flagged) for row in people),
-        trials=tuple(_trials(bundle, known)),
-        answers=tuple(_answers(bundle, known)),
-        items=tuple(_items(bundle)),
+        people=tuple(_person(row, keep_marked) for row in people),
+        trials=tuple(_trials(bundle, known, {} if keep_marked else marks)),
+        answers=(*_answers(bundle, known), *_scores(bundle, items)),
+        items=(*items, *_score_items(bundle, items)),
+        marked_people=sum(bool(row.get("flags")) for row in people),
+        marked_trials=len(marks),
+        keeps_marked=keep_marked,
     )
 
 
-def _person(row: Row, flagged: dict[str, str]) -> Person:
-    code = row["participant_code"]
-    reason = _exclusion(row) or flagged.get(code, "")
-    if row["status"] == "excluded" and not reason:
-        reason = _told_reason(row) or "no reason given"
-    return Person(code, row["status"], row.get("condition_order", ""), reason)
+def _person(row: Row, keep_marked: bool) -> Person:
+    reason = ""
+    if row["status"] == "excluded":
+        reason = row.get("status_reason") or "no reason given"
+    elif row.get("flags") and not keep_marked:
+        reason = _rules(row)
+    return Person(row["participant_code"], row["status"], row.get("condition_order", ""), reason)
 
 
-def _exclusion(row: Row) -> str:
-    flag = row.get("excluded", "").strip()
-    if flag.lower() in _NO:
-        return ""
-    own = flag if flag.lower() not in {"true", "1", "yes", "t", "y"} else ""
-    return _told_reason(row) or own or "no reason given"
+def _rules(row: Row) -> str:
+    return f"marked by {', '.join(row['flags'].split('|'))}"
 
 
-def _told_reason(row: Row) -> str:
-    return next((row[name] for name in _REASONS if row.get(name)), "")
-
-
-def _flagged(rows: Sequence[Row]) -> dict[str, str]:
-    """Reasons by participant; a participant may have several rows."""
-    found: dict[str, list[str]] = {}
-    for row in rows:
-        if reason := _exclusion(row):
-            reasons = found.setdefault(row.get("participant_code", ""), [])
-            if reason not in reasons:
-                reasons.append(reason)
-    return {code: "; ".join(reasons) for code, reasons in found.items()}
-
-
-def _trials(bundle: Bundle, known: set[str]) -> list[TrialCase]:
+def _trials(bundle: Bundle, known: set[str], marks: Marks) -> list[TrialCase]:
     found = []
     for number, row in enumerate(bundle.rows["trials.csv"], 1):
         where = f"{bundle.name}, trials.csv, row {number} of mode {bundle.mode}"
@@ -92,6 +87,7 @@ def _trials(bundle: Bundle, known: set[str]) -> list[TrialCase]:
                 position=_position(row, where),
                 status=row["status"],
                 values={name: value for name, value in values.items() if value is not None},
+                marked=marks.get((row["participant_code"], row["position"]), ""),
             )
         )
     return found
@@ -119,7 +115,7 @@ def _items(bundle: Bundle) -> list[Item]:
     """The items of the codebook, each once, as the first version words it."""
     found: dict[str, Item] = {}
     for row in bundle.rows["codebook.csv"]:
-        if "." not in row["name"] or row["name"] in found:
+        if row["file"] != "responses.csv" or "." not in row["name"] or row["name"] in found:
             continue
         instrument, name = row["name"].split(".", 1)
         levels = tuple(
@@ -129,6 +125,40 @@ def _items(bundle: Bundle) -> list[Item]:
         )
         found[row["name"]] = Item(instrument, name, row["type"], row["meaning"], levels)
     return list(found.values())
+
+
+def _score_column(instrument: str, condition: str) -> str:
+    return f"{instrument}_{SCORE}_{condition}"
+
+
+def _score_items(bundle: Bundle, items: Sequence[Item]) -> list[Item]:
+    """An item for each instrument whose score stands in wide.csv once per condition."""
+    columns = {column for row in bundle.rows.get("wide.csv", [])[:1] for column in row}
+    conditions = {row["condition"] for row in bundle.rows["trials.csv"]}
+    return [
+        Item(name, SCORE, SCORE, f"score of {name}")
+        for name in dict.fromkeys(item.instrument for item in items)
+        if any(_score_column(name, condition) in columns for condition in conditions)
+    ]
+
+
+def _scores(bundle: Bundle, items: Sequence[Item]) -> list[Answer]:
+    """The scores after each trial, as answers."""
+    conditions = sorted({row["condition"] for row in bundle.rows["trials.csv"]})
+    positions = {
+        (row["participant_code"], row["condition"]): int(row["position"])
+        for row in bundle.rows["trials.csv"]
+    }
+    found = []
+    for row in bundle.rows.get("wide.csv", []):
+        code = row["participant_code"]
+        for item in _score_items(bundle, items):
+            for condition in conditions:
+                value = row.get(_score_column(item.instrument, condition), "")
+                place = positions.get((code, condition))
+                if value and place:
+                    found.append(Answer(code, condition, place, item.instrument, SCORE, value))
+    return found
 
 
 def _check_person(row: Row, known: set[str], where: str) -> None:

@@ -17,6 +17,8 @@ from starlette.requests import HTTPConnection, Request
 from starlette.responses import Response
 from starlette.routing import WebSocketRoute
 
+from server.api import description
+from server.bot_desk import BotDesk
 from server.deps import Services, find_account, require_expert, require_staff
 from server.figures import ServerFigures
 from server.kernel_cache import kernel_folder
@@ -63,6 +65,8 @@ def create_app(settings: Settings, studies: Sequence[Study]) -> FastAPI:
     app.state.services = services
     for pages in (service, participant, staff, admin, policies, expert, worker):
         app.include_router(pages.router)
+    for router in (*description.ROUTERS, description.router):
+        app.include_router(router)
     app.state.hall = _build_hall(services)
     app.state.runs = _build_runs(services, app.state.hall)
     app.router.routes += _live_routes(services, app.state.hall, app.state.runs)
@@ -117,6 +121,7 @@ def _build_services(settings: Settings, studies: Sequence[Study]) -> Services:
         learning=StoredLearningDesk(database),
         worker_links=WorkerLinks(key),
         policies=PolicyDesk(database, known),
+        bots=BotDesk(database, known, key),
         sign_ins=SignIns(key),
         renderer=Renderer(web_root()),
         metrics=CollectorRegistry(),

@@ -210,7 +210,7 @@ def _make_setups(count: int) -> dict[str, TrialSetup]:
             condition="varil",
             policy=policy,
             label="Display A",
-            mode="bot",
+            mode="pilot",
         )
         for number in range(count)
     }

@@ -80,7 +80,7 @@ def measure_wire(condition: str, seed: int = 1) -> dict[str, Any]:
         condition=condition,
         policy=shipped_policy(),
         label="Display A",
-        mode="bot",
+        mode="pilot",
     )
     room = asyncio.run(open_room(OpenTrial(setup), clock))
     room.join(counter)

@@ -22,6 +22,7 @@ from server.cli_doctor import doctor
 from server.cli_evaluate import evaluate
 from server.cli_learn import learn
 from server.cli_output import DatabaseUrl
+from server.cli_rehearse import rehearse
 from server.cli_simulate import simulate
 from server.cli_study import describe_problems, init, problem_lines, validate
 from study.errors import InvalidValue, NotFound, StudyError, StudyFileError, UnknownStudy
@@ -88,7 +89,10 @@ def migrate(database_url: DatabaseUrl = None) -> None:
         typer.echo(f"Schema {before or 'none'} -> {after}.")
 
 
-for verb in (init, validate, simulate, learn, evaluate, export, analyze, replay, erase, doctor):
+VERBS = (
+    init, validate, simulate, learn, evaluate, rehearse, export, analyze, replay, erase, doctor,
+)  # fmt: skip
+for verb in VERBS:
     app.command()(verb)
 
 

@@ -22,13 +22,16 @@ def analyze(
         int | None,
         typer.Option(min=3, help="The planned number of participants, for detectable differences."),
     ] = None,
+    keep_marked: Annotated[
+        bool, typer.Option("--keep-marked", help="Count what the study's exclusion rules mark.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Test, describe and draw the data of an export, in one report."""
     from server.analysis import AnalysisOptions
     from server.analysis import analyze as run_analysis
 
-    options = AnalysisOptions(file, out, mode.value if mode else None, planned)
+    options = AnalysisOptions(file, out, mode.value if mode else None, planned, keep_marked)
     summary = run_analysis(options)
     if as_json:
         report(summary, as_json)

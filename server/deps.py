@@ -10,6 +10,7 @@ from typing import Annotated, cast
 from fastapi import Depends, Request
 from prometheus_client import CollectorRegistry
 
+from server.bot_desk import BotDesk
 from server.learning_desk import StoredLearningDesk
 from server.pages.rendering import Renderer
 from server.participant_desk import ParticipantDesk
@@ -34,6 +35,7 @@ class Services:
     learning: StoredLearningDesk
     worker_links: WorkerLinks
     policies: PolicyDesk
+    bots: BotDesk
     sign_ins: SignIns
     renderer: Renderer
     metrics: CollectorRegistry

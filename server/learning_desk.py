@@ -154,6 +154,17 @@ class StoredLearningDesk:
             raise UnknownVersion(iteration)
         return document
 
+    async def read_latest_version(self, run_id: str) -> tuple[int, str]:
+        """The run's newest stored policy: its iteration and its file; raises UnknownRun.
+
+        The last iterations may be closed while their policies are still in training; those of a
+        run that was stopped then never come.
+        """
+        async with self.database.reading() as session:
+            run = await runs.read_run(session, run_id)
+            found = await runs.find_latest_version(session, run_id)
+        return found or (0, initial_policy(read_settings(run).thresholds).to_json())
+
     async def stream_dataset(self, run_id: str) -> AsyncIterator[str]:
         """The run's dataset as CSV, in pieces, with the columns that `varil learn` writes."""
         out = io.StringIO()

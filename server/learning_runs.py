@@ -18,6 +18,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from server.kernel_cache import open_kernel_cache
 from server.learned_policies import describe_version
 from server.simulation import choose_scale
+from study.learning.classifiers import choose_classifier
 from study.learning.curve import RATES
 from study.learning.dataset import Dataset
 from study.learning.dataset_rows import DATASET_FIELDS, dataset_row
@@ -59,6 +60,7 @@ def learn(options: LearningOptions) -> dict[str, Any]:
     """
     spec = options.hall or choose_scale(options.scale)
     check_people(options.worker, options.expert)
+    choose_classifier(options.settings.classifier)
     started_s = time.perf_counter()
     console = Console(stderr=True, quiet=options.quiet)
     console.print("Preparing the compiled world (up to a minute the first time) ...")

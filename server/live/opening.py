@@ -10,6 +10,7 @@ import asyncio
 from server.live.chronicle import Chronicle
 from server.live.clock import Clock
 from server.live.inbox import Inbox
+from server.live.lock_step import BOT, LockStepRoom
 from server.live.ports import OpenTrial
 from server.live.room import Room
 from study.ar.conditions import build_condition
@@ -23,6 +24,8 @@ TICKS_PER_SLICE = 60
 
 async def open_room(opened: OpenTrial, clock: Clock) -> Room:
     """The room of a trial, ready for its participant; gives way to other trials as it replays.
+
+    A simulated participant's goes in lock-step.
 
     Raises JournalError if the stored inputs do not give the recorded states.
     """
@@ -44,7 +47,8 @@ async def open_room(opened: OpenTrial, clock: Clock) -> Room:
     chronicle.note("opened", {"resumed": world.tick > 0})
     if world.tick == 0:
         chronicle.add_display(display.display)
-    room = Room(setup, world, display, chronicle, Inbox(last_seq, consumed), clock)
+    kind = LockStepRoom if setup.mode == BOT else Room
+    room = kind(setup, world, display, chronicle, Inbox(last_seq, consumed), clock)
     if opened.events:
         absent_s = (clock.utc() - opened.events[-1].at_utc).total_seconds()
         was_abandoned = any(event.kind == "abandoned" for event in opened.events)

@@ -29,6 +29,8 @@ async def answer_error(
 ) -> Response:
     """The answer to a request that failed; JSON where JSON was asked for, a page elsewhere."""
     problem, what, next_step = _describe(error)
+    if request.url.path.startswith("/api/"):
+        return _tell_program(problem, what, next_step, reference)
     if _wants_json(request):
         body = {"error": what, "next_step": next_step, "reference": reference}
         return JSONResponse({k: v for k, v in body.items() if v}, problem.status)
@@ -43,6 +45,19 @@ async def answer_error(
         "way_out": _way_out(request, error),
     }
     return renderer.page("error.html", values, problem.status)
+
+
+def _tell_program(problem: Problem, what: str, next_step: str, reference: str) -> Response:
+    """The problem as RFC 9457 has it, with what to do next beside it."""
+    body = {
+        "type": "about:blank",
+        "title": problem.headline,
+        "status": problem.status,
+        "detail": what,
+        "next_step": next_step,
+        "reference": reference,
+    }
+    return JSONResponse(body, problem.status, media_type="application/problem+json")
 
 
 def _describe(error: Exception) -> tuple[Problem, str, str]:

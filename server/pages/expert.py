@@ -97,6 +97,14 @@ async def download_dataset(run_id: str, services: ServicesDep, user: ExpertDep) 
     )
 
 
+@router.get("/runs/{run_id}/policies/latest.json")
+async def download_latest_version(run_id: str, services: ServicesDep, user: ExpertDep) -> Response:
+    """The newest policy file that the run has."""
+    del user
+    iteration, document = await services.learning.read_latest_version(run_id)
+    return _policy_file(run_id, iteration, document)
+
+
 @router.get("/runs/{run_id}/policies/{iteration}.json")
 async def download_version(
     run_id: str, iteration: Iteration, services: ServicesDep, user: ExpertDep
@@ -104,8 +112,7 @@ async def download_version(
     """The policy file after so many iterations."""
     del user
     document = await services.learning.read_version(run_id, iteration)
-    name = f"run-{run_id[:6]}-{iteration:03}.json"
-    return Response(document, media_type="application/json", headers=_as_file(name))
+    return _policy_file(run_id, iteration, document)
 
 
 async def _list_page(
@@ -167,6 +174,11 @@ def _run_values(run: RunRecord) -> dict[str, Any]:
         "ended_at": moment(run.ended_at),
         "settings": {k: v for k, v in run.settings.items() if k != "thresholds"},
     }
+
+
+def _policy_file(run_id: str, iteration: int, document: str) -> Response:
+    headers = _as_file(f"run-{run_id[:6]}-{iteration:03}.json")
+    return Response(document, media_type="application/json", headers=headers)
 
 
 def _as_file(name: str) -> dict[str, str]:

@@ -223,6 +223,19 @@ async def find_version(session: AsyncSession, run_id: str, iteration: int) -> st
     )
 
 
+async def find_latest_version(session: AsyncSession, run_id: str) -> tuple[int, str] | None:
+    """The newest stored policy of a run: (iteration, text of the policy file)."""
+    rows = await session.execute(
+        select(LearningVersion.iteration, StoredPolicy.document)
+        .join(StoredPolicy, StoredPolicy.sha256 == LearningVersion.policy_sha256)
+        .where(LearningVersion.run_id == run_id)
+        .order_by(LearningVersion.iteration.desc())
+        .limit(1)
+    )
+    found = rows.first()
+    return None if found is None else (found[0], found[1])
+
+
 def _version_row(run_id: str, version: RunVersion) -> dict[str, Any]:
     return {
         "run_id": run_id,

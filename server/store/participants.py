@@ -89,7 +89,10 @@ async def add_participant(session: AsyncSession, new: NewParticipant, now: datet
     if not await insert_new(session, Participant, [row]):
         return
     added = (await find_participant(session, new.token)).id
-    joined = StatusChange(None, new.progress.life.status, "pressed the button", "participant")
+    cause = (
+        ("issued as simulated", "server") if new.is_bot else ("pressed the button", "participant")
+    )
+    joined = StatusChange(None, new.progress.life.status, *cause)
     await add_change(session, added, joined, now)
     session.add_all(
         PanelId(participant_id=added, name=name, value=value)

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 from sqlalchemy import Select, func, or_, select
 from sqlalchemy.ext.asyncio import AsyncSession
+from sqlalchemy.orm import aliased
 
 from server.store.inserting import insert_new
 from server.store.tables import (
-    LearningRun,
     LearningVersion,
     Participant,
     PolicyActivation,
@@ -161,13 +161,13 @@ async def list_policies(
 
     Of a learning run only the newest version is listed, and those that are or were in use.
     """
-    newest = (
-        select(LearningVersion.policy_sha256)
-        .join(LearningRun, LearningRun.id == LearningVersion.run_id)
-        .where(
-            LearningVersion.policy_sha256 == StoredPolicy.sha256,
-            LearningVersion.iteration == LearningRun.iteration,
-        )
+    of_run = aliased(LearningVersion)
+    newest = select(LearningVersion.policy_sha256).where(
+        LearningVersion.policy_sha256 == StoredPolicy.sha256,
+        LearningVersion.iteration
+        == select(func.max(of_run.iteration))
+        .where(of_run.run_id == LearningVersion.run_id)
+        .scalar_subquery(),
     )
     used = select(Trial.id).where(Trial.policy_sha256 == StoredPolicy.sha256)
     active = select(PolicyActivation.id).where(

@@ -16,6 +16,7 @@ from types import MappingProxyType
 import numpy as np
 
 from study.analysis.designs import Design, LeftOut, Reading, complete_cases, order_conditions
+from study.analysis.wording import NO_VALUE
 
 MEASURES: Mapping[str, str] = MappingProxyType(
     {
@@ -34,6 +35,9 @@ MARKS: Mapping[str, str] = MappingProxyType(
     }
 )
 """What every page and figure says about the mode; nothing for live data."""
+SCORE = "score"
+"""Kind and name of an item that is an instrument's score."""
+_RATED = frozenset({"scale", "rating", "slider", "number", SCORE})
 _TO_Q6 = ("Q2", "Q3", "Q4", "Q5", "Q6")
 _NAMED = ("varil", "arroch", "crmiar")
 
@@ -50,13 +54,18 @@ class Person:
 
 @dataclass(frozen=True)
 class TrialCase:
-    """A trial; a measure without a figure is missing from `values`."""
+    """A trial; a measure without a figure is missing from `values`.
+
+    `marked` names the exclusion rules that it breaks; such a trial does not count, nor do the
+    answers after it.
+    """
 
     participant: str
     condition: str
     position: int
     status: str
     values: Mapping[str, float]
+    marked: str = ""
 
 
 @dataclass(frozen=True)
@@ -84,7 +93,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class StudyData:
-    """Everything of one mode of a study."""
+    """Everything of one mode of a study; how much exclusion rules mark, and whether it is kept."""
 
     study_id: str
     mode: str
@@ -93,11 +102,19 @@ class StudyData:
     trials: tuple[TrialCase, ...]
     answers: tuple[Answer, ...]
     items: tuple[Item, ...]
+    marked_people: int = 0
+    marked_trials: int = 0
+    keeps_marked: bool = False
 
     @property
     def mark(self) -> str:
         """Whose data these are; empty for live participants."""
         return MARKS.get(self.mode, self.mode)
+
+    @property
+    def mode_filter(self) -> str:
+        """The filter that chose these rows, as tables name it."""
+        return f"mode = {self.mode or NO_VALUE}"
 
     @cached_property
     def counted(self) -> tuple[str, ...]:
@@ -116,7 +133,7 @@ class StudyData:
         """Items with ordered answers that were asked after trials, in the codebook's order."""
         asked = {(one.instrument, one.item) for one in self.answers if one.condition}
         found = (item for item in self.items if (item.instrument, item.name) in asked)
-        return tuple(item for item in found if item.kind in {"scale", "likert", "slider", "number"})
+        return tuple(item for item in found if item.kind in _RATED)
 
 
 def team_design(data: StudyData, measure: str) -> Design:
@@ -129,7 +146,9 @@ def team_design(data: StudyData, measure: str) -> Design:
             continue
         value = trial.values.get(measure)
         place = (trial.participant, trial.condition)
-        if trial.status != "completed":
+        if trial.marked:
+            reasons[place] = f"trial {trial.position} {trial.marked}"
+        elif trial.status != "completed":
             reasons[place] = f"trial {trial.position} {trial.status or 'without status'}"
         elif value is None:
             reasons[place] = f"trial {trial.position} has no {measure}"
@@ -143,15 +162,22 @@ def item_design(data: StudyData, item: Item) -> Design:
     """Complete cases of an item; answers that are no number or level count as missing."""
     counted = set(data.counted)
     places = level_places(item)
+    marked = {
+        (trial.participant, trial.condition): f"trial {trial.position} {trial.marked}"
+        for trial in data.trials
+        if trial.marked
+    }
     readings: list[Reading] = []
     for answer in data.answers:
         if (answer.instrument, answer.item) != (item.instrument, item.name):
             continue
         value = read_level(answer.value, places)
-        if answer.condition and answer.participant in counted and value is not None:
+        usable = answer.condition and (answer.participant, answer.condition) not in marked
+        if usable and answer.participant in counted and value is not None:
             place = (answer.participant, answer.condition, answer.position or 0)
             readings.append(Reading(*place, value))
     missing = {(code, name): "no answer" for code in data.counted for name in data.conditions}
+    missing |= marked
     return complete_cases(item.name, readings, data.conditions, data.counted, missing)
 
 
@@ -178,7 +204,9 @@ def read_level(text: str, places: Mapping[str, float]) -> float | None:
 
 def correction_family(items: tuple[Item, ...], instrument: str) -> tuple[str, ...]:
     """The items corrected together: Q2 to Q6 where they exist, else all of the instrument."""
-    names = tuple(item.name for item in items if item.instrument == instrument)
+    names = tuple(
+        item.name for item in items if item.instrument == instrument and item.kind != SCORE
+    )
     return _TO_Q6 if set(_TO_Q6) <= set(names) else names
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 
 from study.analysis.cases import (
+    SCORE,
     Item,
     StudyData,
     correction_family,
@@ -18,7 +19,7 @@ from study.analysis.descriptives import summarise
 from study.analysis.designs import Design, Pairs
 from study.analysis.item_bars import ItemScale, draw_items, mark_of
 from study.analysis.likert import SEED, ItemPair, ItemRanking, compare_items, rank_items
-from study.analysis.report_parts import UNPLANNED, Gap, Tested, word_gaps
+from study.analysis.report_parts import Gap, Tested, note_plan, word_gaps
 from study.analysis.report_team import SUMMARY_FIELDS, SUMMARY_VIEWS
 from study.analysis.sheets import Picture, RowsBehind, Section, Sheet, View, make_sheet
 from study.analysis.wording import ALPHA, equals, interval, number, unformatted
@@ -26,7 +27,6 @@ from study.analysis.wording import ALPHA, equals, interval, number, unformatted
 HEADING = "Questionnaire"
 LEGEND = "* p < 0.05, ** p < 0.01 (Wilcoxon signed-rank, Holm over the planned contrasts)"
 WHISKERS = "Whiskers: 95 % interval of the mean."
-_ITEM = View("Item", "text", ("item",))
 
 
 def run_items(data: StudyData, pairs: Pairs) -> Tested:
@@ -43,7 +43,7 @@ def run_items(data: StudyData, pairs: Pairs) -> Tested:
         findings.append("No planned contrast showed a difference on any item.")
     gaps = [Gap(f"{one.item}, all conditions", one.note) for one in ranked if one.note]
     gaps += [Gap(_name(one), one.note) for one in compared if one.note]
-    sentences = (_describe_tests(data), *([] if pairs.planned else [UNPLANNED]))
+    sentences = (_describe_tests(data), *note_plan(pairs))
     blocks: list[Sheet | Picture] = [_describe(data, designs)]
     if any(one.p is not None for one in ranked):
         blocks.append(_ranking_sheet(data, designs, ranked))
@@ -52,7 +52,7 @@ def run_items(data: StudyData, pairs: Pairs) -> Tested:
     blocks += [
         _draw(data, instrument, designs, compared)
         for instrument in dict.fromkeys(item.instrument for item in designs)
-        if any(design.n for item, design in designs.items() if item.instrument == instrument)
+        if _drawn(designs, instrument)
     ]
     section = Section("items", HEADING, sentences, tuple(blocks), (*findings, *word_gaps(gaps)))
     return Tested(section, tuple(findings), tuple(gaps))
@@ -108,11 +108,17 @@ def _behind(data: StudyData, designs: Mapping[Item, Design]) -> RowsBehind:
     people = {code for design in designs.values() for code in design.participants}
     return RowsBehind(
         "responses.csv",
-        f"mode = {data.mode}, instrument = {names}, participant not excluded and with an answer "
+        f"{data.mode_filter}, instrument = {names}, participant not excluded and with an answer "
         "in every condition (per item)",
         sum(len(design.readings) for design in designs.values()),
         len(people),
     )
+
+
+def _item_view(designs: Mapping[Item, Design]) -> View:
+    """The column that names the item, and its instrument where there are several."""
+    several = len({item.instrument for item in designs}) > 1
+    return View("Item", "text", ("instrument", "item") if several else ("item",))
 
 
 def _describe(data: StudyData, designs: Mapping[Item, Design]) -> Sheet:
@@ -128,7 +134,7 @@ def _describe(data: StudyData, designs: Mapping[Item, Design]) -> Sheet:
         for name in design.conditions
     ]
     header = ("instrument", "item", "wording", "condition", *SUMMARY_FIELDS)
-    views = (_ITEM, View("Condition", "quotient", ("condition",)), *SUMMARY_VIEWS)
+    views = (_item_view(designs), View("Condition", "quotient", ("condition",)), *SUMMARY_VIEWS)
     title = "Answers per item and condition"
     return make_sheet("item_descriptives", title, rows, header, views, _behind(data, designs))
 
@@ -137,7 +143,7 @@ def _ranking_sheet(
     data: StudyData, designs: Mapping[Item, Design], ranked: Sequence[ItemRanking]
 ) -> Sheet:
     views = (
-        _ITEM,
+        _item_view(designs),
         View("N", "plain", ("n",)),
         View("χ²", "number", ("chi_squared",)),
         View("df", "plain", ("df",)),
@@ -155,7 +161,7 @@ def _pair_sheet(
     data: StudyData, designs: Mapping[Item, Design], compared: Sequence[ItemPair]
 ) -> Sheet:
     views = (
-        _ITEM,
+        _item_view(designs),
         View("Contrast", "difference", ("first", "second")),
         View("N", "plain", ("n",)),
         View("Ties", "plain", ("zeros",)),
@@ -171,13 +177,24 @@ def _pair_sheet(
     return make_sheet("signed_ranks", title, rows, header, views, _behind(data, designs))
 
 
+def _drawn(designs: Mapping[Item, Design], instrument: str) -> dict[Item, Design]:
+    """The instrument's items that have bars; a score is on a scale of its own."""
+    return {
+        item: design
+        for item, design in designs.items()
+        if item.instrument == instrument and item.kind != SCORE and design.n
+    }
+
+
 def _draw(
     data: StudyData,
     instrument: str,
     designs: Mapping[Item, Design],
     compared: Sequence[ItemPair],
 ) -> Picture:
-    own = {i: d for i, d in designs.items() if i.instrument == instrument and d.n}
+    own = {
+        i: d for i, d in designs.items() if i.instrument == instrument and d.n and i.kind != SCORE
+    }
     marks: dict[str, dict[tuple[str, str], str]] = {}
     for one in compared:
         if one.instrument == instrument:

@@ -6,14 +6,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from study.analysis.designs import Untestable
+from study.analysis.designs import Pairs, Untestable
 from study.analysis.mixed import Ratio
 from study.analysis.sheets import Section
-from study.analysis.wording import capitalise
 
 Found = TypeVar("Found")
 UNPLANNED = (
-    "No condition is `varil`, so no contrast was planned: pairs are described with intervals, "
+    "No condition is “varil”, so no contrast was planned: pairs are described with intervals, "
     "without p-values."
 )
 
@@ -44,11 +43,14 @@ def attempt(what: str, test: Callable[[], Found]) -> tuple[Found | None, list[Ga
         return None, [Gap(what, error.what)]
 
 
+def note_plan(pairs: Pairs) -> tuple[str, ...]:
+    """What is to be said where pairs are compared that nobody planned; else nothing."""
+    return (UNPLANNED,) if pairs.pairs and not pairs.planned else ()
+
+
 def word_gaps(gaps: Sequence[Gap]) -> tuple[str, ...]:
     """A sentence per reason, naming everything that it left untested."""
     reasons: dict[str, list[str]] = {}
     for gap in gaps:
         reasons.setdefault(gap.why, []).append(gap.what)
-    return tuple(
-        f"Not tested, since {why}: {capitalise('; '.join(what))}." for why, what in reasons.items()
-    )
+    return tuple(f"Not tested, since {why}: {'; '.join(what)}." for why, what in reasons.items())

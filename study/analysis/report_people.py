@@ -25,7 +25,7 @@ RULE = (
     "whatever page the participation ended on. Excluded participants never count. Nothing is "
     "filled in."
 )
-_ONCE = {"choice", "number", "scale", "likert", "slider"}
+_ONCE = {"choice", "number", "scale", "rating", "slider"}
 _UNASKED = {"browser_check"}
 
 
@@ -38,6 +38,12 @@ def describe_people(data: StudyData) -> Section:
         f"excluded; {count(design.n, 'participant')} with complete data for the team measures."
     )
     sentences = [capitalise(told), RULE]
+    if data.marked_people or data.marked_trials:
+        marked = (
+            f"{count(data.marked_people, 'participant')} and {count(data.marked_trials, 'trial')}"
+        )
+        fate = "counted here all the same, as was asked" if data.keeps_marked else "left out"
+        sentences.append(f"Exclusion rules of the study mark {marked}; what they mark is {fate}.")
     if len(data.versions) > 1:
         sentences.append(
             f"The participants joined {len(data.versions)} versions of the study "
@@ -59,7 +65,7 @@ def _statuses(data: StudyData) -> Sheet:
         View("Status", "text", ("status",)),
         View("Participants", "plain", ("participants",)),
     )
-    behind = RowsBehind("participants.csv", f"mode = {data.mode}", *[len(data.people)] * 2)
+    behind = RowsBehind("participants.csv", data.mode_filter, *[len(data.people)] * 2)
     return make_sheet(
         "statuses", "Participants by status", rows, ("status", "participants"), views, behind
     )
@@ -85,7 +91,7 @@ def _orders(data: StudyData, design: Design) -> Sheet:
     header = ("order", "shown", "participants", "complete")
     behind = RowsBehind(
         "participants.csv",
-        f"mode = {data.mode} and condition_order is not empty",
+        f"{data.mode_filter} and condition_order is not empty",
         *[sum(bool(person.order) for person in data.people)] * 2,
     )
     return make_sheet("orders", "Participants by order", rows, header, views, behind)
@@ -96,7 +102,10 @@ def _left_out(data: StudyData, design: Design) -> Sheet:
     rows = [{"participant_code": one.participant, "reason": one.reason} for one in found]
     views = (View("Participant", "text", ("participant_code",)), View("Why", "text", ("reason",)))
     behind = RowsBehind(
-        "participants.csv", f"mode = {data.mode}, without complete data", len(found), len(found)
+        "participants.csv",
+        f"{data.mode_filter}, without complete data",
+        len(found),
+        len(found),
     )
     return make_sheet(
         "left_out",
@@ -136,7 +145,7 @@ def _background(data: StudyData, design: Design) -> Sheet:
     views = (View("Question", "text", ("wording",)), View("Answers", "text", ("answers",)))
     behind = RowsBehind(
         "responses.csv",
-        f"mode = {data.mode} and condition is empty, of those with complete data",
+        f"{data.mode_filter} and condition is empty, of those with complete data",
         len(used),
         len(set(used)),
     )

@@ -52,7 +52,7 @@ def describe_power(
         "by the spread of the paired differences in these data (root mean square over the "
         "contrasts): a ratio of waiting times, and seconds."
     )
-    unplanned = "No planned number of participants was given (`--planned`)."
+    unplanned = "No planned number of participants was given (option --planned)."
     sentences = (how,) if planned_n else (how, unplanned)
     return Section("power", HEADING, sentences, (_sheet(data, designs[PRIMARY], rows),))
 

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from study.analysis.cases import StudyData, label_condition
 from study.analysis.designs import Design, Pairs, positive_cases
 from study.analysis.mixed import LogModel, Ratio, adjusted_means, compare_conditions, fit_log_model
-from study.analysis.report_parts import UNPLANNED, Tested, attempt, word_gaps
+from study.analysis.report_parts import Tested, attempt, note_plan, word_gaps
 from study.analysis.report_team import rows_of
 from study.analysis.sheets import Section, Sheet, View, make_sheet
 from study.analysis.wording import equals, number, verdict
@@ -26,7 +26,10 @@ def run_primary(data: StudyData, design: Design, pairs: Pairs) -> Tested:
     if model is None:
         return Tested(Section("primary", HEADING, (), (), word_gaps(gaps)), (), tuple(gaps))
     ratios = compare_conditions(model, pairs)
-    sentences = [_describe_model(model), *([] if pairs.planned else [UNPLANNED])]
+    sentences = [
+        _describe_model(model),
+        *note_plan(pairs),
+    ]
     if zeros := positive.left_out[len(design.left_out) :]:
         sentences.append(
             "Left out here, since a value of 0 has no logarithm: "

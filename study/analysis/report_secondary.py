@@ -10,7 +10,7 @@ from study.analysis.anova import Anova, analyse_variance
 from study.analysis.cases import MEASURES, StudyData, label_condition
 from study.analysis.contrasts import PairedComparison, compare_pairs
 from study.analysis.designs import Design, Pairs
-from study.analysis.report_parts import UNPLANNED, Gap, Tested, attempt, word_gaps
+from study.analysis.report_parts import Gap, Tested, attempt, note_plan, word_gaps
 from study.analysis.report_team import rows_of
 from study.analysis.sheets import Section, Sheet, View, make_sheet
 from study.analysis.wording import capitalise, equals, interval, number, verdict
@@ -48,7 +48,7 @@ def run_secondary(data: StudyData, designs: dict[str, Design], pairs: Pairs) -> 
         "team's. Repeated-measures analysis of variance with Greenhouse-Geisser's correction, "
         "then paired t tests with Holm's correction over the planned contrasts of each measure."
     )
-    sentences = (how, *([] if pairs.planned else [UNPLANNED]))
+    sentences = (how, *note_plan(pairs))
     blocks: list[Sheet] = []
     if anovas:
         blocks.append(_anova_sheet(data, designs[SECONDARY[0]], anovas))

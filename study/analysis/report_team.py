@@ -36,7 +36,7 @@ def rows_of(data: StudyData, design: Design) -> RowsBehind:
     """The trials behind a team measure."""
     return RowsBehind(
         "trials.csv",
-        f"mode = {data.mode}, status = completed, participant not excluded and complete in "
+        f"{data.mode_filter}, status = completed, participant not excluded and complete in "
         f"{', '.join(design.conditions) or 'no condition'}",
         len(design.readings),
         design.n,

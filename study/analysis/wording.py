@@ -26,10 +26,13 @@ def plain(value: Cell) -> str:
 
 
 def chance(p: Cell) -> str:
-    """A p-value: three decimals, or `< 0.001`."""
+    """A p-value: three decimals, or `< 0.001`; four where three would round it up to 0.050."""
     if p is None:
         return NO_VALUE
-    return "< 0.001" if float(p) < 0.001 else f"{float(p):.3f}"
+    value = float(p)
+    if value < 0.001:
+        return "< 0.001"
+    return f"{value:.4f}" if ALPHA - 0.0005 <= value < ALPHA else f"{value:.3f}"
 
 
 def equals(p: float | None) -> str:

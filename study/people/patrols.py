@@ -20,14 +20,15 @@ from study.people.walking import (
     Legs,
     cell_of,
     fill_way,
-    move_world,
+    note_frame,
     seed_draws,
-    walk_on,
+    walk,
 )
 from study.warehouse.kernels import kernel
 from study.warehouse.planning import human_gap2
 from study.warehouse.routes import SHARED
 from study.warehouse.state import RUNNING, WAITING, Floor, Motion, Record
+from study.warehouse.step import step_world
 from study.warehouse.tasks import next_draw
 
 PATROLS = ("cyclic", "wanderer", "blocker")
@@ -162,7 +163,10 @@ def decide_step(
         guide_wanderer(floor, motion, walker, cell, draws)
     else:
         guide_blocker(floor, motion, walker, cell, ways[0], draws)
-    walk_on(floor, motion, walkers, ways)
+    walk(
+        trial, motion.cells, motion.robots, floor.fields, ways[0], ways[1], motion.queue,
+        walkers[0], floor.hall[0].stride, floor.cosines,
+    )  # fmt: skip
 
 
 @kernel
@@ -175,12 +179,13 @@ def run_patrol(
     draws: npt.NDArray[np.uint64],
     record: npt.NDArray[np.int32],
 ) -> int:
-    """Run the trial to its end with a patrol; return the ticks. `record`: see `move_world`."""
+    """Run the trial to its end with a patrol; return the ticks. `record`: see `note_frame`."""
     frames = np.zeros((1, 2), dtype=np.int32)
     trial = motion.trial[0]
     while trial.status == RUNNING:
         decide_step(floor, motion, patrol, walkers, ways, draws)
-        move_world(floor, motion, walkers, frames, record)
+        note_frame(walkers[0], trial.tick, frames, record)
+        step_world(floor, motion, frames, 1)
     return int(trial.tick)
 
 

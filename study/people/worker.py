@@ -17,9 +17,10 @@ from study.ar.elements import Display
 from study.people.beliefs import Memory, new_memory
 from study.people.believer import act
 from study.people.habits import Habits
-from study.people.walking import Legs, move_world, walk_on
+from study.people.walking import Legs, note_frame, walk
 from study.warehouse.kernels import compiled_entry, kernel
 from study.warehouse.state import RUNNING, Floor, Motion
+from study.warehouse.step import step_world
 from study.warehouse.world import World
 
 BELIEVER = "believer"
@@ -37,9 +38,13 @@ def decide_frame(
     ways: npt.NDArray[np.int16],
 ) -> None:
     """Set the walker's keys and yaw for the coming tick. `walkers`, `ways`: see `Legs`."""
-    if motion.trial[0].tick % THINK_TICKS == 0:
+    trial = motion.trial[0]
+    if trial.tick % THINK_TICKS == 0:
         act(floor, motion, memory, shown, walkers[0])
-    walk_on(floor, motion, walkers, ways)
+    walk(
+        trial, motion.cells, motion.robots, floor.fields, ways[0], ways[1], motion.queue,
+        walkers[0], floor.hall[0].stride, floor.cosines,
+    )  # fmt: skip
 
 
 @kernel
@@ -52,14 +57,15 @@ def run_believer(
     ways: npt.NDArray[np.int16],
     record: npt.NDArray[np.int32],
 ) -> int:
-    """Run the trial to its end with its display; return the ticks. `record`: see `move_world`."""
+    """Run the trial to its end with its display; return the ticks. `record`: see `note_frame`."""
     frames = np.zeros((1, 2), dtype=np.int32)
     trial = motion.trial[0]
     while trial.status == RUNNING:
         if trial.tick % DECISION_EVERY_TICKS == 0:
             refresh(floor, motion, shown)
         decide_frame(floor, motion, memory, shown, walkers, ways)
-        move_world(floor, motion, walkers, frames, record)
+        note_frame(walkers[0], trial.tick, frames, record)
+        step_world(floor, motion, frames, 1)
     return int(trial.tick)
 
 

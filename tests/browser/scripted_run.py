@@ -110,12 +110,13 @@ class ScriptedRun:
         return wire.encode_display(bytes(self.shown[:robots]), bytes(self.shown[robots:]), 0)
 
     def agents(self) -> str:
-        """The agents message."""
+        """The agents message, as the newest page gets it."""
         return wire.encode_text(
             {
                 "type": "agents", "trial": self.trial, "tick": self.world.tick,
                 "boxes": self.boxes, "proposals": self.proposals, "drawn": self.drawn,
                 "by_expert": self.by_expert, "recording": self.lead() is not None,
+                "taken_seq": self.taken.get(self.clients[-1], 0) if self.clients else 0,
             }
         )  # fmt: skip
 

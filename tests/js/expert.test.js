@@ -12,7 +12,7 @@ import { WireError } from "../../web/static/js/net/messages.js";
 
 const NOW = { trial: 2, tick: 300 };
 /** @param {Partial<import("../../web/static/js/expert/board.js").AgentsMessage>} facts */
-const agents = (facts) => ({ trial: 2, tick: 300, boxes: [7, 7, 1], proposals: [0, 0, 0], drawn: [7, 1, 0], by_expert: [1, 0, 1], recording: true, ...facts });
+const agents = (facts) => ({ trial: 2, tick: 300, boxes: [7, 7, 1], proposals: [0, 0, 0], drawn: [7, 1, 0], by_expert: [1, 0, 1], recording: true, taken_seq: 0, ...facts });
 
 function makeBoard() {
   const edits = new Edits();
@@ -26,9 +26,9 @@ test("a toggle shows at once, is pending until stored, and survives the server's
   const gesture = edits.edit(NOW, board.toggleCell(0, 4));
   assert.deepEqual(gesture.changes, [[0, 0, 4]]);
   assert.deepEqual(board.cell(0, 4), { on: false, shown: false, drawn: true, proposed: false, pending: true });
-  board.take(agents({ tick: 270 }));
+  board.take(agents({ taken_seq: 0 }));
   assert.equal(board.cell(0, 4).on, false, "a message from before the gesture does not undo it");
-  board.take(agents({ boxes: [3, 7, 1] }));
+  board.take(agents({ boxes: [3, 7, 1], taken_seq: 1 }));
   assert.equal(board.cell(0, 4).pending, true);
   assert.deepEqual(edits.settle(1), [gesture]);
   assert.deepEqual([board.cell(0, 4).on, board.cell(0, 4).pending, edits.stored], [false, false, 1]);
@@ -37,9 +37,32 @@ test("a toggle shows at once, is pending until stored, and survives the server's
 test("once the server has shown a gesture, what the policy proposes later is seen although storing lasts", () => {
   const { edits, board } = makeBoard();
   edits.edit(NOW, board.toggleCell(0, 4));
-  board.take(agents({ boxes: [3, 7, 1] }));
-  board.take(agents({ boxes: [7, 7, 1], tick: 330 }));
+  board.take(agents({ boxes: [3, 7, 1], taken_seq: 1 }));
+  board.take(agents({ boxes: [7, 7, 1], taken_seq: 1 }));
   assert.deepEqual([board.cell(0, 4).on, board.cell(0, 4).pending], [true, true]);
+});
+
+test("an element switched off and on again shows the last of both, whichever words arrive", () => {
+  const { edits, board } = makeBoard();
+  edits.edit(NOW, board.toggleCell(0, 4));
+  edits.edit(NOW, board.toggleCell(0, 4));
+  board.take(agents({}));
+  board.take(agents({ boxes: [3, 7, 1], taken_seq: 1 }));
+  assert.equal(board.cell(0, 4).on, true, "the second is still on its way");
+  board.take(agents({ boxes: [7, 7, 1], taken_seq: 2 }));
+  assert.equal(board.cell(0, 4).on, true);
+});
+
+test("after a server was killed, what waits is sent for the tick to which the trial went back", () => {
+  const { edits, board } = makeBoard();
+  edits.edit({ trial: 1, tick: 900 }, board.toggleCell(1, 1));
+  edits.edit({ trial: 2, tick: 260 }, board.toggleCell(1, 2));
+  edits.edit(NOW, board.toggleCell(0, 4));
+  board.take(agents({ boxes: [3, 4, 1], taken_seq: 3 }));
+  edits.rewind(2, 270);
+  assert.deepEqual(edits.pending.map(({ trial, tick }) => [trial, tick]), [[1, 900], [2, 260], [2, 270]]);
+  board.take(agents({}));
+  assert.equal(board.cell(0, 4).on, false, "the new server does not hold it yet");
 });
 
 test("a refused gesture leaves no trace, not even for undo", () => {

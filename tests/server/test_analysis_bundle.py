@@ -12,6 +12,7 @@ import pytest
 from server.analysis import AnalysisOptions, analyze
 from server.analysis_bundle import BundleError, read_bundle
 from server.analysis_rows import read_study
+from study.analysis.cases import correction_family, item_design, team_design
 from tests.server.bundles import Bundle, make_bundle
 
 Change = Callable[[Bundle], None]
@@ -58,8 +59,11 @@ def repeat_person(bundle: Bundle) -> None:
         (set_cell("responses", "participant_code", "X"), "responses.csv, .* “X” has no row"),
         (set_cell("participants", "mode", "robot"), "the mode “robot” is not known"),
         (set_cell("participants", "study_id", "other"), "more than one study"),
-        (set_cell("participants", "participant_code", ""), "1 rows have the participant code “”"),
-        (repeat_person, "2 rows have the participant code “P0000”"),
+        (
+            set_cell("participants", "participant_code", ""),
+            "code “” stands in 1 row",
+        ),
+        (repeat_person, "code “P0000” stands in 2 rows"),
     ],
 )
 def test_bad_exports_are_refused_by_name(change: Change, sentence: str, tmp_path: Path) -> None:
@@ -80,8 +84,8 @@ def test_a_changed_file_is_refused(tmp_path: Path) -> None:
         read_bundle(path)
     path = bundle.write(tmp_path / "b.zip")
     with zipfile.ZipFile(path, "a") as archive:
-        archive.writestr("quality.csv", "participant_code,excluded\nP0000,true\n")
-    with pytest.raises(BundleError, match=r"quality\.csv is not the file that MANIFEST"):
+        archive.writestr("wide.csv", "participant_code\nP0000\n")
+    with pytest.raises(BundleError, match=r"wide\.csv is not the file that MANIFEST"):
         read_bundle(path)
 
 
@@ -165,26 +169,48 @@ def test_modes_are_never_mixed(tmp_path: Path) -> None:
     assert read_bundle(bots.write(tmp_path / "bots.zip")).mode == "bot"
 
 
-def test_exclusions_are_read_where_they_stand(tmp_path: Path) -> None:
-    """A status, a column of participants.csv, or quality.csv; each with its reason."""
+def test_whom_staff_excluded_and_what_rules_mark_is_left_out(tmp_path: Path) -> None:
+    """A status, a rule about a person, a rule about a trial; marks alone can be kept."""
     bundle = make_bundle(5)
-    bundle.headers["participants"] = [*bundle.headers["participants"], "excluded", "reason"]
-    for row in bundle.tables["participants"]:
-        row |= {"excluded": "false", "reason": ""}
-    bundle.tables["participants"][0] |= {"status": "excluded", "reason": "said so"}
-    bundle.tables["participants"][1] |= {"excluded": "true"}
-    bundle.headers["quality"] = ["participant_code", "mode", "excluded", "flags"]
-    bundle.tables["quality"] = [
-        {"participant_code": "P0002", "mode": "bot", "excluded": "true", "flags": "slow frames"},
-        {"participant_code": "P0002", "mode": "bot", "excluded": "true", "flags": "hidden"},
-        {"participant_code": "P0003", "mode": "bot", "excluded": "false", "flags": "hidden"},
-    ]
-    data = read_study(read_bundle(bundle.write(tmp_path / "a.zip")))
+    people = bundle.tables["participants"]
+    people[0] |= {"status": "excluded", "status_reason": "said so"}
+    people[1] |= {"status": "excluded"}
+    people[2] |= {"flags": "looked_away|slow"}
+    trial = dict.fromkeys(bundle.headers["quality"], "")
+    trial |= {"participant_code": "P0003", "mode": "bot", "position": "2", "flags": "looked_away"}
+    bundle.tables["quality"].append(trial)
+    bundle.tables["quality"].append(trial | {"position": "3", "flags": ""})
+    read = read_bundle(bundle.write(tmp_path / "a.zip"))
+    data = read_study(read)
     assert [person.excluded for person in data.people] == [
         "said so",
         "no reason given",
-        "slow frames; hidden",
+        "marked by looked_away, slow",
         "",
         "",
     ]
-    assert data.counted == ("P0003", "P0004")
+    assert (data.marked_people, data.marked_trials) == (1, 1)
+    design = team_design(data, "sum_wait_s")
+    assert design.participants == ("P0004",)
+    assert "trial 2 marked by looked_away" in design.left_out[0].reason
+    assert item_design(data, data.rated_items[0]).participants == ("P0004",)
+    kept = read_study(read, keep_marked=True)
+    assert team_design(kept, "sum_wait_s").participants == ("P0002", "P0003", "P0004")
+
+
+def test_scores_are_read_beside_the_items(tmp_path: Path) -> None:
+    """The score of an instrument after each trial stands in wide.csv alone."""
+    bundle = make_bundle(3)
+    columns = [f"questionnaire_score_{name}" for name in ("varil", "arroch", "crmiar")]
+    bundle.headers["wide"] = ["participant_code", "mode", *columns]
+    bundle.tables["wide"] = [
+        {"participant_code": f"P{k:04}", "mode": "bot"} | dict.fromkeys(columns, str(10 * k))
+        for k in range(3)
+    ]
+    data = read_study(read_bundle(bundle.write(tmp_path / "a.zip")))
+    score = data.rated_items[-1]
+    assert (score.instrument, score.kind) == ("questionnaire", "score")
+    assert item_design(data, score).values[:, 0].tolist() == [0.0, 10.0, 20.0]
+    assert correction_family(data.rated_items, "questionnaire") == tuple(
+        f"Q{k}" for k in range(2, 7)
+    )

@@ -68,3 +68,15 @@ def test_rates_are_those_of_the_last_iterations(tmp_path: Path) -> None:
     file.write_text("\n".join(rows) + "\n")
     line = describe_rates(file).splitlines()[1]
     assert line.split()[-3:] == ["0.102", "0.136", "0.500"]
+
+
+def test_an_unknown_classifier_is_refused_before_anything_is_prepared(
+    tmp_path: Path, capsys
+) -> None:
+    """Preparing the compiled world can take minutes."""
+    words = [*LEARN, "--classifier", "oracle", "--out", str(tmp_path / "out")]
+    code, _, said = call(words, capsys)
+    assert code != 0
+    assert "Use one of: svm" in said
+    assert "Preparing" not in said
+    assert not (tmp_path / "out").exists()

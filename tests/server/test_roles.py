@@ -33,6 +33,8 @@ PLACES = {
     "run": "0" * 32,
     "iteration": "0",
     "sha256": "0" * 64,
+    "code": "P-XXXXXXXX",
+    "trial_id": "0" * 32,
 }
 
 
@@ -74,7 +76,7 @@ def test_nobody_opens_a_page_for_staff_without_signing_in(client: TestClient, ap
         if path in OPEN_TO_ALL:
             continue
         answer = client.request(method, fill(path))
-        if method == "GET":
+        if method == "GET" and not path.startswith("/api"):
             assert (answer.status_code, answer.headers["location"]) == (303, "/login"), path
         else:
             assert answer.status_code == 401, path

@@ -48,7 +48,9 @@ def tell_run(record: RunRecord, you: tuple[str, str], taken_seq: int) -> str:
 
 
 def tell_agents(session: LearningSession, page: str, drawn: Sequence[int]) -> str:
-    """A page's boxes beside what the policy proposes and what could draw anything."""
+    """A page's boxes, as its messages up to `taken_seq` have made them, beside what the policy
+    proposes and what could draw anything.
+    """
     up = session.up
     return encode_text(
         {
@@ -60,6 +62,7 @@ def tell_agents(session: LearningSession, page: str, drawn: Sequence[int]) -> st
             "drawn": list(drawn),
             "by_expert": up.by_expert.astype(int).tolist(),
             "recording": up.is_recording,
+            "taken_seq": session.panel.taken_seq(page),
         }
     )
 

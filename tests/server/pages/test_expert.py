@@ -228,6 +228,30 @@ def test_dataset_and_policies_can_be_downloaded(expert: TestClient, app: FastAPI
         assert expert.get(f"{address}/policies/{nonsense}.json").status_code == 422
 
 
+def test_the_latest_policy_is_the_newest_that_was_trained(expert: TestClient, app: FastAPI) -> None:
+    """A run that is stopped during a training has closed more iterations than it has policies."""
+    address = start(expert)
+    run_id = address.rsplit("/", 1)[1]
+    learned = make_policy("learned", "people")
+    assert read_policy(expert.get(f"{address}/policies/latest.json").content) == initial_policy()
+
+    async def add() -> None:
+        async with app.state.services.database.writing() as session:
+            given = rows(run_id, 0, 60, versions=(RunVersion(1, learned),), iteration=2)
+            await add_rows(session, given, datetime.now(UTC))
+
+    assert expert.portal is not None
+    expert.portal.call(add)
+    expert.post(f"{address}/stop")
+    assert summary(expert, app, address).iteration == 2
+    page = expert.get(address).text
+    (link,) = set(re.findall(r'href="([^"]*/policies/[^"]*)"', page))
+    answer = expert.get(link)
+    assert read_policy(answer.content) == learned
+    assert f"run-{run_id[:6]}-001.json" in answer.headers["content-disposition"]
+    assert expert.get(f"/expert/runs/{'0' * 32}/policies/latest.json").status_code == 404
+
+
 @pytest.mark.parametrize("run_id", ["0" * 32, "nonsense", "%00", "A" * 32])
 def test_a_run_that_is_not_here_is_not_found(expert: TestClient, run_id: str) -> None:
     for page in ("", "/dataset.csv", "/policies/0.json"):

@@ -132,7 +132,8 @@ async def test_of_a_run_the_newest_version_and_those_in_use_are_listed(
     setup = await lab.begin(0)
     learned = [replace(make_policy("x", "people"), name=f"v{n}") for n in range(4)]
     versions = tuple(RunVersion(n, policy) for n, policy in enumerate(learned))
-    sent = rows(lab.run_id, 0, 80, versions=versions)
+    sent = rows(lab.run_id, 0, 130, versions=versions)
+    assert sent.iteration == 5, "two more are closed, and still in training"
     await lab.trials.commit([batch(setup.trial_id, 1, sent)])
     assert set(await entries(desk)) == {"taught", "bred", "v3"}
     await give(desk, learned[1])

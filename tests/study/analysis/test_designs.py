@@ -7,6 +7,7 @@ import pytest
 
 from study.analysis.descriptives import summarise
 from study.analysis.designs import LeftOut, Reading, complete_cases, order_conditions
+from study.analysis.wording import chance, interval, number
 
 
 def test_everybody_counts_or_is_listed_with_a_reason() -> None:
@@ -56,3 +57,23 @@ def test_a_summary_of_one_and_of_none() -> None:
     one = summarise(np.array([3.0]))
     assert (one.n, one.mean, one.sd, one.low) == (1, 3.0, None, None)
     assert summarise(np.empty(0)).mean is None
+
+
+def test_numbers_read_as_they_should() -> None:
+    """Three digits; a p-value just below 0.05 never reads as 0.050."""
+    assert [number(v) for v in (None, 2154.4, 21.46, -2.149, 0.2149)] == [
+        "–",
+        "2154",
+        "21.5",
+        "−2.15",
+        "0.215",
+    ]
+    assert [chance(p) for p in (None, 0.0004, 0.0123, 0.0498, 0.05, 1.0)] == [
+        "–",
+        "< 0.001",
+        "0.012",
+        "0.0498",
+        "0.050",
+        "1.000",
+    ]
+    assert interval((1.0, None, None)) == "1.00"

@@ -26,6 +26,8 @@ import { RunBar } from "./ui/run_bar.js";
 const GAUGES_EVERY_MS = 60;
 const ROWS_EVERY_MS = 500;
 
+/** What the picture says before the first word of the server. */
+const OPENING = "Opening the run. If the server was just started, this may take a minute or two.";
 /** What the picture says while the world stands. */
 const PHASE_NOTES = /** @type {Record<string, string>} */ ({
   paused: "The world is paused until the worker is back.",
@@ -67,9 +69,12 @@ export class ExpertRun {
     this.phase = "waiting";
     this.boxes = 0;
     this.isEnded = false;
+    /** Whether the line is new, and what waits was not sent on it yet. */
+    this.isCatchingUp = false;
     /** @type {string | null} */
     this.lead = null;
     this.still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.notices.showNote(OPENING);
     this.connection = this.#connect();
     this.#start(/** @type {Window} */ (document.defaultView));
   }
@@ -130,7 +135,7 @@ export class ExpertRun {
     else if (message.type === "ended") this.#end(message.status);
   }
 
-  /** The line is open; what was not stored before it broke is sent again. @param {import("./net/expert_messages.js").Run} run */
+  /** The line is open; the trial's welcome follows. @param {import("./net/expert_messages.js").Run} run */
   #open(run) {
     this.runFacts = run;
     if (!this.desk) {
@@ -142,11 +147,20 @@ export class ExpertRun {
       });
       this.desk = desk;
     }
-    for (const gesture of this.desk.edits.pending) this.#send(gesture);
+    this.isCatchingUp = true;
   }
 
-  /** @param {Gesture} gesture */
+  /** Sends again what was not stored before the line broke, at the tick that the server is at now. @param {number} trial @param {number} tick */
+  #catchUp(trial, tick) {
+    this.isCatchingUp = false;
+    const edits = this.desk?.edits;
+    edits?.rewind(trial, tick);
+    for (const gesture of edits?.pending ?? []) this.#send(gesture);
+  }
+
+  /** Sends a gesture, unless older ones are to be sent first: then it waits among them. @param {Gesture} gesture */
   #send(gesture) {
+    if (this.isCatchingUp) return;
     const { seq, kind, changes, agents } = gesture;
     this.connection.send(kind === "edit" ? encodeEdit(seq, gesture, changes) : encodeConfirm(seq, gesture, agents));
   }
@@ -171,6 +185,7 @@ export class ExpertRun {
     this.boxes = welcome.boxes_delivered;
     this.bays = welcome.hall.stations.map(({ bays }) => ({ bays: bays.map(([i, j]) => /** @type {[number, number]} */ ([cellX(i), cellY(j)])) }));
     this.spectator.begin(welcome);
+    if (this.isCatchingUp) this.#catchUp(welcome.trial ?? 0, welcome.tick);
   }
 
   /** @param {string} phase */
@@ -235,8 +250,9 @@ export class ExpertRun {
   #lineChanged(state, reason) {
     if (state === "open") this.notices.hideBanner();
     if (state !== "open") this.spectator.setRunning(false);
-    if (state === "refused" || state === "taken-over" || state === "reload")
-      this.notices.showBanner("refused", "This page cannot go on", [reason || "The server closed the line.", "Load the page again; if that does not help, sign in anew."]);
+    if (state !== "refused" && state !== "taken-over" && state !== "reload") return;
+    this.notices.showNote("");
+    this.notices.showBanner("refused", "This page cannot go on", [reason || "The server closed the line.", "Load the page again; if that does not help, sign in anew."]);
   }
 
   /** @param {"finished" | "stopped"} status */
@@ -250,7 +266,7 @@ export class ExpertRun {
       `${progress?.pairs ?? 0} pairs and ${progress?.iteration ?? 0} iterations are stored.`, ...unsaved,
     ], [
       { text: "Dataset (CSV)", address: `${addresses.page}/dataset.csv` },
-      { text: "Latest policy (JSON)", address: `${addresses.page}/policies/${progress?.iteration ?? 0}.json` },
+      { text: "Latest policy (JSON)", address: `${addresses.page}/policies/latest.json` },
       { text: "All runs", address: "/expert" },
     ]);
   }

@@ -90,6 +90,7 @@ async def test_an_edit_is_acknowledged_when_it_is_stored() -> None:
     lab.edit(1, (0, 0, 1))
     lab.edit(2, (1, 0, 1))
     assert lab.texts("agents")[-1]["boxes"][:2] == [6, 6]
+    assert [text["taken_seq"] for text in lab.texts("agents")[-3:]] == [0, 1, 2]
     lab.desk.failures = 2
     for _ in range(2):
         assert not await lab.hall.writer.flush()

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from server.live.learning import wire
@@ -87,6 +87,7 @@ json_values = st.recursive(
 fields = st.sampled_from(["seq", "trial", "tick", "changes", "agents", "client", "to", "sent_ms"])
 
 
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.sampled_from(wire.TYPES), st.dictionaries(fields, json_values, max_size=5))
 def test_any_message_is_read_or_refused(kind: str, record: dict[str, Any]) -> None:
     """No other exception, and what is read is within its limits."""

@@ -6,7 +6,7 @@ import { Edits } from "./edits.js";
 /** @typedef {import("./edits.js").Change} Change */
 /** @typedef {{ on: boolean, shown: boolean, drawn: boolean, proposed: boolean, pending: boolean }} CellState */
 /** @typedef {{ name: string, title: string, key: string, bit: number, of: "robot" | "station" }} Column */
-/** @typedef {{ boxes: number[], proposals: number[], drawn: number[], by_expert: number[], recording: boolean, trial: number, tick: number }} AgentsMessage */
+/** @typedef {{ boxes: number[], proposals: number[], drawn: number[], by_expert: number[], recording: boolean, taken_seq: number }} AgentsMessage */
 
 /** The elements in the order of the grid's columns. @type {readonly Column[]} */
 export const COLUMNS = Object.freeze([
@@ -60,7 +60,7 @@ export class Board {
       [this.boxes, message.boxes], [this.proposals, message.proposals], [this.drawn, message.drawn], [this.byExpert, message.by_expert],
     ]))
       for (let agent = 0; agent < this.agents; agent += 1) mine[agent] = theirs[agent] ?? 0;
-    this.edits.observe(this.boxes, message.trial, message.tick);
+    this.edits.observe(message.taken_seq);
   }
 
   /** @param {{ robots: Uint8Array, stations: Uint8Array }} display */

@@ -7,7 +7,7 @@
  * @property {number} seq from 1 per page @property {"edit" | "confirm"} kind
  * @property {number} trial @property {number} tick when the expert made it
  * @property {Change[]} changes of an edit @property {number[]} agents of a confirmation
- * @property {boolean} applied the server's boxes have shown it
+ * @property {boolean} applied the server's boxes hold it
  */
 
 const UNDO_DEPTH = 200;
@@ -71,18 +71,20 @@ export class Edits {
     return refused;
   }
 
+  /** The server told boxes that hold every gesture up to a number: those are laid over them no more. @param {number} seq */
+  observe(seq) {
+    for (const gesture of this.pending) if (gesture.seq <= seq) gesture.applied = true;
+  }
+
   /**
-   * The server told its boxes; gestures they already show need not be laid over them any more.
-   * @param {ReadonlyArray<number>} boxes masks by agent @param {number} trial @param {number} tick of the message
+   * A trial is at a tick. A server that was killed begins again a moment before the last ones that this
+   * page saw, so what waits was made, for the server, at this tick.
+   * @param {number} trial @param {number} tick
    */
-  observe(boxes, trial, tick) {
+  rewind(trial, tick) {
     for (const gesture of this.pending) {
-      if (gesture.applied || gesture.kind !== "edit") continue;
-      if (trial < gesture.trial || (trial === gesture.trial && tick < gesture.tick)) continue;
-      gesture.applied = gesture.changes.every(([agent, on, off]) => {
-        const mask = boxes[agent] ?? 0;
-        return (mask & on) === on && (mask & off) === 0;
-      });
+      gesture.applied = false;
+      if (gesture.trial === trial) gesture.tick = Math.min(gesture.tick, tick);
     }
   }
 

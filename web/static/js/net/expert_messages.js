@@ -26,6 +26,7 @@ export const EXPERT_VERSION = 1;
  * @property {"agents"} type @property {number} trial @property {number} tick
  * @property {number[]} boxes @property {number[]} proposals @property {number[]} drawn masks by agent
  * @property {number[]} by_expert 1 where the expert's setting is displayed @property {boolean} recording
+ * @property {number} taken_seq the newest message of this page that the boxes hold
  *
  * @typedef {object} Progress
  * @property {"progress"} type @property {number} trial @property {number} tick @property {number} pairs
@@ -65,7 +66,7 @@ const FIELDS = /** @type {Record<string, [string, string][]>} */ ({
   run: [["run_id", "string"], ["robots", "count"], ["stations", "count"], ["settings", "object"], ["worker", "string"],
     ["you", "object"], ["pairs_per_iteration", "count"], ["snapshot_ticks", "count"], ["taken_seq", "count"]],
   agents: [["trial", "count"], ["tick", "count"], ["boxes", "counts"], ["proposals", "counts"], ["drawn", "counts"],
-    ["by_expert", "counts"], ["recording", "boolean"]],
+    ["by_expert", "counts"], ["recording", "boolean"], ["taken_seq", "count"]],
   progress: [["trial", "count"], ["tick", "count"], ["pairs", "count"], ["iteration", "count"], ["iterations", "count"],
     ["beta", "number"], ["policy_sha256", "string"], ["next_snapshot_tick", "count"]],
   curve: [["from", "count"], ["lines", "object"]],

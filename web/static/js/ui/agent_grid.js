@@ -1,6 +1,6 @@
 // The grid of all agents: a row per robot and per station. A cell shows the expert's setting as a
 // box with or without a tick, what is displayed now as a full or a hollow lamp, and by hatching that
-// the element would draw nothing at the moment.
+// the element marks nothing at the moment: a ribbon without a path, a balloon where nobody waits.
 
 import { build } from "./dom.js";
 
@@ -19,7 +19,7 @@ import { build } from "./dom.js";
 /** @param {CellLook} look */
 function describe({ on, shown, drawn, pending, refused }) {
   const words = [on ? "set on" : "set off", shown ? "displayed" : "not displayed"];
-  if (!drawn) words.push("draws nothing now");
+  if (!drawn) words.push("marks nothing now");
   if (pending) words.push("not yet stored");
   if (refused) words.push("refused");
   return words.join(", ");
@@ -131,7 +131,7 @@ export class AgentGrid {
     return build(
       document, "ul", { class: "legend" },
       ...[["Space", "row"], ["R", "right"], ["U", "undo"]].map(([key = "", text = ""]) => build(document, "li", { class: "key" }, build(document, "kbd", {}, key), text)),
-      item("ticked", "your setting"), item("lit", "displayed now"), item("dark", "not displayed"), item("hatched", "draws nothing now"), item("waiting", "not yet stored"),
+      item("ticked", "your setting"), item("lit", "displayed now"), item("dark", "not displayed"), item("hatched", "marks nothing now"), item("waiting", "not yet stored"),
     );
   }
 

@@ -1,0 +1,1 @@
+"""The interface for programs: staff's JSON under `/api/v1`."""

@@ -1,0 +1,1 @@
+"""`varil rehearse`: simulated participants through a running server's real pages and sockets."""
