@@ -256,7 +256,8 @@ def check_quality(tables: dict[str, list[dict[str, str]]]) -> None:
         assert int(row["reports"]) >= 1
         assert 0 < float(row["rtt_median_ms"]) <= float(row["rtt_p95_ms"])
         assert 0 < float(row["frame_rate_p5_hz"]) <= float(row["frame_rate_median_hz"])
-        assert (int(row["connections"]), float(row["hidden_s"])) == (1, 0.0)
+        assert int(row["connections"]) >= 1
+        assert float(row["hidden_s"]) >= 0, "the page has told whether it is shown"
         assert float(row["tick_late_p99_ms"]) > 0
 
 
