@@ -21,7 +21,8 @@ from study.learning.settings import LearningSettings
 SignIn = Callable[[str], TestClient]
 OPEN_TO_ALL = (
     "/", "/healthz", "/readyz", "/metrics", "/login", "/s/{study_id}", "/p/{token}",
-    "/p/{token}/withdraw", "/p/{token}/{step}", "/w/{token}", "/study.schema.json",
+    "/p/{token}/withdraw", "/p/{token}/return", "/p/{token}/{step}", "/w/{token}",
+    "/study.schema.json",
 )  # fmt: skip
 FOR_EXPERTS = ("/expert", "/logout")
 FOR_ADMINS = ("/admin", "/api")

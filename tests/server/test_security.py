@@ -111,6 +111,9 @@ def fill(address: str, token: str) -> str:
         run_id="0" * 32,
         iteration=1,
         sha256="0" * 64,
+        code="P-NOBODY22",
+        trial="0" * 32,
+        trial_id="0" * 32,
     )
 
 
