@@ -118,6 +118,7 @@ class _Run:
                 self.wished = self._clock.update(world) or self.wished
             self._follow(changes, tick)
             yield world
+        self._check_end()
 
     def summary(self) -> dict[str, Any]:
         """What was found."""
@@ -140,6 +141,14 @@ class _Run:
         """Show what the trial's events say was shown from this tick on."""
         while changes and changes[-1][0] <= tick:
             self.shown = changes.pop()[1]
+
+    def _check_end(self) -> None:
+        """The world of a trial that ended is where its result says that it ended."""
+        ended = self._trial.record
+        if ended.state_hash is not None:
+            world = self._world
+            is_there = (world.tick, world.state_hash()) == (ended.ticks, ended.state_hash)
+            self._note_hash(world.tick, is_there)
 
     def _note_hash(self, tick: int, equal: bool) -> None:
         self._checked += 1

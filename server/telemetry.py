@@ -31,6 +31,10 @@ class Telemetry:
         """Rows of the trial five times a second, or why it could not be re-simulated."""
         trial = await read_trial(self.session, trial_id)
         journal, _ = await read_journal(self.session, trial_id)
+        if not journal:
+            return "no inputs of it are stored"
+        if trial.state_hash is not None and journal[-1].last_tick != trial.ticks:
+            return f"its stored inputs end at tick {journal[-1].last_tick} of {trial.ticks}"
         try:
             return await asyncio.to_thread(trace_person, trial, journal)
         except JournalError as error:

@@ -73,6 +73,8 @@ class TrialRecord:
     config: Mapping[str, Any]
     policy_sha256: str | None
     status: str = "open"
+    ticks: int = 0
+    state_hash: bytes | None = None
     learning_run_id: str | None = None
 
 
@@ -222,4 +224,6 @@ def _record(row: Trial) -> TrialRecord:
         policy_sha256=row.policy_sha256,
         status=row.status,
         learning_run_id=row.learning_run_id,
+        ticks=row.ticks,
+        state_hash=row.state_hash,
     )

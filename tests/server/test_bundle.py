@@ -125,7 +125,8 @@ async def test_telemetry_is_where_the_person_was_five_times_a_second(site: Site)
         for a, b in steps
     )
     assert path_m == pytest.approx(float(trial["human_path_m"]), rel=0.1)
-    assert "could not be re-simulated" not in told
+    assert f"- {trial_id}:" not in told
+    assert told.count("no inputs of it are stored") == 3, "those that only ended, never played"
 
 
 async def test_a_damaged_journal_costs_only_its_own_telemetry(site: Site) -> None:
@@ -137,6 +138,16 @@ async def test_a_damaged_journal_costs_only_its_own_telemetry(site: Site) -> Non
     with zipfile.ZipFile(io.BytesIO(await export(site.database, telemetry=True))) as bundle:
         assert not [name for name in bundle.namelist() if trial_id in name]
         assert f"- {trial_id}: the replayed state differs" in bundle.read("README.txt").decode()
+
+
+async def test_a_lost_end_of_a_journal_is_named(site: Site) -> None:
+    trial_id = await fill(site)
+    last = "(SELECT max(first_tick) FROM trial_chunks)"
+    async with site.database.writing() as session:
+        await session.execute(text(f"DELETE FROM trial_chunks WHERE first_tick = {last}"))
+    with zipfile.ZipFile(io.BytesIO(await export(site.database, telemetry=True))) as bundle:
+        told = bundle.read("README.txt").decode()
+    assert f"- {trial_id}: its stored inputs end at tick" in told
 
 
 async def test_the_manifest_holds_every_file_but_itself(site: Site) -> None:

@@ -124,6 +124,33 @@ def test_a_wrong_verb_is_a_wrong_call() -> None:
     assert call("dance").returncode == 2
 
 
+def test_a_participant_is_erased_once_and_what_is_kept_is_told(here: Path, capsys) -> None:
+    import asyncio
+    import json
+
+    from server.settings import Settings
+    from server.store.bench_people import add_bench_people
+    from server.store.engine import Database
+    from study.files.demo import paper_study
+
+    assert complaint(["migrate"], capsys)[0] == 0
+
+    async def fill() -> None:
+        database = Database(Settings().database)
+        await add_bench_people(database, paper_study(), 2)
+        await database.close()
+
+    asyncio.run(fill())
+    assert run_command(lambda **options: app(["erase", "p-b0000001", "--json"], **options)) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["participant"], told["trials"], told["trial_robots"]) == ("P-B0000001", 3, 36)
+    assert "the participant code" in told["kept"]
+    code, said = complaint(["erase", "P-B0000001"], capsys)
+    assert (code, "were erased before" in said) == (1, True)
+    code, said = complaint(["erase", "P-NOBODY"], capsys)
+    assert (code, "no participant “P-NOBODY”" in said) == (1, True)
+
+
 def test_an_account_is_added_then_renewed(here: Path, capsys, monkeypatch) -> None:
     import io
 
