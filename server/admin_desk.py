@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import timedelta
 
-from server.live_watch import LiveWatch, NotRunning
+from server.live_watch import LiveWatch
 from server.policy_desk import PolicyDesk, needs_confirmation
 from server.store.dashboard import count_away, count_crowds
 from server.store.engine import Database
 from server.store.moves import PAUSED_AFTER_S
 from server.store.participants import find_by_code, give_time, read_participant
 from server.store.stories import LONGEST_NOTE, Note, add_note
-from server.store.trials import TrialRecord, UnknownTrial, read_trial
+from server.store.trials import TrialRecord, UnknownTrial, read_trial, store_limit
 from server.store.users import add_audit
 from server.trial_desk import Clock, utc_now
 from study.config import Study
@@ -123,32 +123,36 @@ class AdminDesk:
         """Keep a note about a moment of a trial. Raises `UnknownTrial` or InvalidValue."""
         now, words = self.clock(), check_note(text)
         async with self.database.writing() as session:
-            trial = await self._of_participant(await read_trial(session, trial_id))
-            person = await read_participant(session, trial.participant_id or 0)
+            trial = await read_trial(session, trial_id)
+            person = await read_participant(session, owner_of(trial))
             await add_note(session, person.id, Note(now, user_name, words, trial.id, tick))
             detail = f"{person.code}: {trial.step} at tick {tick}"
             await add_audit(session, user_name, "note written", detail, now)
 
     async def extend(self, trial_id: str, minutes: int, user_name: str) -> None:
-        """Wait longer for an absent participant, in memory and in the database.
+        """Wait longer for an absent participant: in the database, then in memory.
 
-        Raises `UnknownTrial` or `NotRunning`.
+        The new limit is stored with the trial, so a restarted server keeps it. Raises
+        `UnknownTrial` or `NotRunning`.
         """
         now = self.clock()
-        if self.watch.describe(trial_id) is None:
-            raise NotRunning(trial_id)
+        limit_s = self.watch.limit_after(trial_id, minutes * 60.0)
         async with self.database.writing() as session:
-            trial = await self._of_participant(await read_trial(session, trial_id))
-            person = await read_participant(session, trial.participant_id or 0, lock=True)
-            until_s = self.watch.extend(trial_id, minutes * 60.0)
-            await give_time(session, person.id, now + timedelta(seconds=until_s))
+            owner = owner_of(await read_trial(session, trial_id))
+            person = await read_participant(session, owner, lock=True)
+            trial = await read_trial(session, trial_id, lock=True)
+            await store_limit(session, trial, limit_s)
+            await give_time(session, person.id, now + timedelta(seconds=limit_s))
             detail = f"{person.code}: {trial.step}, {minutes} minutes more"
             await add_audit(session, user_name, "time extended", detail, now)
+        self.watch.set_limit(trial_id, limit_s)
 
-    async def _of_participant(self, trial: TrialRecord) -> TrialRecord:
-        if trial.participant_id is None:
-            raise UnknownTrial(trial.id)
-        return trial
+
+def owner_of(trial: TrialRecord) -> int:
+    """The participant of a trial; raises `UnknownTrial` for one of a learning run."""
+    if trial.participant_id is None:
+        raise UnknownTrial(trial.id)
+    return trial.participant_id
 
 
 def check_note(text: str) -> str:

@@ -79,14 +79,15 @@ class LiveWatch:
         """The trial's present tick; raises `NotRunning`."""
         return self._room(trial_id).world.tick
 
-    def extend(self, trial_id: str, seconds: float) -> float:
-        """Wait so much longer for an absent participant; returns the new limit in seconds.
+    def limit_after(self, trial_id: str, more_s: float) -> float:
+        """The limit on absence, in seconds, once so much time is added; raises `NotRunning`."""
+        return self._room(trial_id).abandon_after_s + min(more_s, LONGEST_EXTENSION_S)
 
-        Raises `NotRunning`.
-        """
-        room = self._room(trial_id)
-        room.abandon_after_s += min(seconds, LONGEST_EXTENSION_S)
-        return room.abandon_after_s
+    def set_limit(self, trial_id: str, limit_s: float) -> None:
+        """Wait so long for an absent participant; a trial that has just left memory is let be."""
+        room = self.hall.rooms.get(trial_id)
+        if room is not None:
+            room.abandon_after_s = limit_s
 
     def _room(self, trial_id: str) -> Room:
         room = self.hall.rooms.get(trial_id)

@@ -13,7 +13,7 @@ from server.deps import Services, find_account, require_admin, require_staff
 from server.live.hall import Hall
 from server.live.outbox import SpectatorOutbox
 from server.live.replaying import ReplayTalk
-from server.live.watching import PeopleTalk, SpectatorTalk, StaffEndpoint, StaffTalk
+from server.live.watching import PeopleTalk, SpectatorTalk, StaffEndpoint, StaffTalk, Who
 from server.live_people import describe_people
 from server.live_watch import LiveWatch
 
@@ -33,15 +33,15 @@ def staff_sockets(
     async def describe(study_id: str) -> Mapping[str, Any]:
         return await describe_people(services.database, watch, study_id)
 
-    def begin_people(scope: Scope, outbox: SpectatorOutbox) -> StaffTalk:
+    def begin_people(scope: Scope, outbox: SpectatorOutbox, who: Who) -> StaffTalk:
         study = HTTPConnection(dict(scope)).query_params.get("study", "")
-        return PeopleTalk(outbox, study[:40], describe)
+        return PeopleTalk(outbox, who, study[:40], describe)
 
-    def begin_watching(scope: Scope, outbox: SpectatorOutbox) -> StaffTalk:
-        return SpectatorTalk(outbox, hall, str(scope["path_params"]["trial"]))
+    def begin_watching(scope: Scope, outbox: SpectatorOutbox, who: Who) -> StaffTalk:
+        return SpectatorTalk(outbox, who, hall, str(scope["path_params"]["trial"]))
 
-    def begin_replay(scope: Scope, outbox: SpectatorOutbox) -> StaffTalk:
-        return ReplayTalk(outbox, str(scope["path_params"]["trial"]), services.trials.recall)
+    def begin_replay(scope: Scope, outbox: SpectatorOutbox, who: Who) -> StaffTalk:
+        return ReplayTalk(outbox, who, str(scope["path_params"]["trial"]), services.trials.recall)
 
     talks = {
         "/admin/live/socket": begin_people,

@@ -11,6 +11,8 @@ import time
 from collections.abc import Awaitable, Callable, Mapping, MutableMapping
 from typing import Any, Protocol
 
+from starlette.datastructures import Headers
+
 from server.live.line import Line, find_line
 from server.live.outbox import Outbox, Send
 from server.live.wire import CloseCode, WireError
@@ -36,9 +38,17 @@ async def serve_socket(
     scope: Mapping[str, Any],
     receive: Receive,
     send: Send,
+    same_origin: Callable[[Headers], bool],
     begin: Callable[[Line | None], tuple[Outbox, Talk]],
 ) -> None:
-    """Accept a socket and serve it to its end. `begin` makes both sides of the talk."""
+    """Accept a socket of our own pages and serve it to its end; `begin` makes both its sides.
+
+    One that a foreign page opens is turned away before it is accepted.
+    """
+    await receive()
+    if not same_origin(Headers(raw=list(scope["headers"]))):
+        await send({"type": "websocket.close", "code": CloseCode.WRONG_ORIGIN})
+        return
     await send({"type": "websocket.accept"})
     line = find_line(scope)
     outbox, talk = begin(line)
@@ -59,11 +69,6 @@ async def serve_socket(
             await asyncio.wait({writer}, timeout=CLOSE_WITHIN_S)
         writer.cancel()
         await asyncio.gather(reader, writer, return_exceptions=True)
-
-
-async def refuse_socket(send: Send) -> None:
-    """Turn a socket of a foreign page away before it is accepted."""
-    await send({"type": "websocket.close", "code": CloseCode.WRONG_ORIGIN})
 
 
 async def _read(talk: Talk, receive: Receive) -> int:

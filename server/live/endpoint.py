@@ -7,25 +7,19 @@ the socket with a code and a reason that says what was wanted; no other room not
 
 from __future__ import annotations
 
-import asyncio
-import logging
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from starlette.datastructures import Headers
 
 from server.live import wire
-from server.live.connection import Allowance, Receive, refuse_socket, serve_socket
+from server.live.connection import Allowance, Receive, serve_socket
 from server.live.line import Line
 from server.live.outbox import Outbox, Send
 from server.live.sink import Sink
-from server.live.wire import CloseCode, WireError
-from server.problems import problem_of
-from study.errors import StudyError
+from server.live.talk import GreetedTalk
+from server.live.wire import WireError
 
-logger = logging.getLogger(__name__)
-
-HELLO_WITHIN_S = 15.0
 MESSAGES_PER_S = 200.0
 MESSAGES_BURST = 600.0
 
@@ -89,10 +83,6 @@ class LiveEndpoint:
 
     async def __call__(self, scope: Mapping[str, Any], receive: Receive, send: Send) -> None:
         """Serve one socket from handshake to close."""
-        await receive()
-        if not self._same_origin(Headers(raw=list(scope["headers"]))):
-            await refuse_socket(send)
-            return
         token = str(scope["path_params"]["token"])
         page = f"{scope.get('root_path', '')}{self._page}/{token}"
 
@@ -100,50 +90,31 @@ class LiveEndpoint:
             outbox = Outbox(send, page, line)
             return outbox, Session(self._rooms, token, outbox)
 
-        await serve_socket(scope, receive, send, begin)
+        await serve_socket(scope, receive, send, self._same_origin, begin)
 
 
-class Session:
-    """What one socket has said so far and what it may say next."""
+class Session(GreetedTalk):
+    """What one participant's socket has said so far and what it may say next."""
 
     def __init__(self, rooms: RoomOpener, token: str, outbox: Outbox) -> None:
+        super().__init__(outbox, Allowance(MESSAGES_PER_S, MESSAGES_BURST))
         self._rooms = rooms
         self._token = token
-        self._outbox = outbox
         self._room: JoinedRoom | None = None
-        self._opening: asyncio.Task[None] | None = None
-        self._is_greeted = False
-        self._patience = asyncio.get_running_loop().call_later(HELLO_WITHIN_S, self._lose_patience)
-        self._allowance = Allowance(MESSAGES_PER_S, MESSAGES_BURST)
 
-    def hear(self, frame: str | bytes) -> None:
-        """Take one message of the client; one that does not fit ends the socket."""
-        if self._outbox.closing.done():
-            return
-        try:
-            self._allowance.spend()
-            message = wire.parse_text(frame) if isinstance(frame, str) else wire.parse_input(frame)
-            if self._is_greeted:
-                self._take(message)
-            else:
-                self._greet(message)
-        except WireError as problem:
-            self._outbox.close(problem.code, str(problem))
-        except Exception:
-            logger.exception("a live socket failed")
-            self._outbox.close(CloseCode.TRY_LATER, "the server had a fault; try again")
+    def take(self, frame: str | bytes) -> None:
+        """Take a message of the client."""
+        message = wire.parse_text(frame) if isinstance(frame, str) else wire.parse_input(frame)
+        if self.is_greeted:
+            self._take(message)
+        else:
+            self._greet(message)
 
-    def leave(self, code: int) -> None:
-        """The socket ends: its room, if it has one, hears of it."""
-        self._patience.cancel()
-        if self._opening is not None:
-            self._opening.cancel()
+    def end(self, code: int) -> None:
+        """The room, if there is one, hears of it."""
         if self._room is not None:
             room, self._room = self._room, None
-            room.leave(self._outbox, code)
-
-    def _lose_patience(self) -> None:
-        self._outbox.close(CloseCode.MALFORMED, "wanted “hello” first, got nothing")
+            room.leave(self.outbox, code)
 
     def _greet(self, message: wire.TextMessage | wire.Input) -> None:
         if not isinstance(message, wire.Hello):
@@ -152,25 +123,12 @@ class Session:
             raise WireError(
                 f"protocol version {wire.PROTOCOL_VERSION} (reload the page)", str(message.version)
             )
-        self._patience.cancel()
-        self._is_greeted = True
-        self._opening = asyncio.create_task(self._open())
+        self.open(self._enter())
 
-    async def _open(self) -> None:
-        try:
-            room = await self._rooms.enter(self._token)
-        except StudyError as problem:
-            self._refuse(CloseCode(problem_of(problem).close_code), problem.sentence)
-        except Exception:
-            logger.exception("a trial could not be opened")
-            self._refuse(CloseCode.TRY_LATER, "the trial cannot be opened now; try again soon")
-        else:
-            self._room = room
-            room.join(self._outbox)
-
-    def _refuse(self, code: CloseCode, sentence: str) -> None:
-        self._outbox.send_text(wire.encode_error(sentence))
-        self._outbox.close(code, sentence)
+    async def _enter(self) -> None:
+        room = await self._rooms.enter(self._token)
+        self._room = room
+        room.join(self.outbox)
 
     def _take(self, message: wire.TextMessage | wire.Input) -> None:
         room = self._room
@@ -179,7 +137,7 @@ class Session:
                 raise WireError("“ready” before any input", "an input message")
             room.take_input(message)
         elif isinstance(message, wire.Ping):
-            self._outbox.send_text(wire.encode_pong(message.sent_ms))
+            self.outbox.send_text(wire.encode_pong(message.sent_ms))
             if room is not None:
                 room.take_ping()
         elif isinstance(message, wire.Hello):

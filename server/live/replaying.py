@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 from server.live import wire
 from server.live.audience import Audience
-from server.live.outbox import SpectatorOutbox
+from server.live.outbox import Outbox, SpectatorOutbox
 from server.live.ports import OpenTrial
-from server.live.watching import StaffTalk
+from server.live.watching import StaffTalk, Who
 from server.live.wire import CloseCode, WireError
 from study.errors import StudyError
 
@@ -32,8 +32,8 @@ ReadTrial = Callable[[str], Awaitable[OpenTrial]]
 class ReplayTalk(StaffTalk):
     """Plays, pauses, hurries and seeks as its page says."""
 
-    def __init__(self, outbox: SpectatorOutbox, trial_id: str, read: ReadTrial) -> None:
-        super().__init__(outbox)
+    def __init__(self, outbox: SpectatorOutbox, who: Who, trial_id: str, read: ReadTrial) -> None:
+        super().__init__(outbox, who)
         self._trial_id = trial_id
         self._read = read
         self._is_playing = False
@@ -41,7 +41,7 @@ class ReplayTalk(StaffTalk):
         self._seek: int | None = None
         self._told = asyncio.Event()
 
-    def take(self, name: str, record: Mapping[str, Any]) -> None:
+    def act(self, name: str, record: Mapping[str, Any]) -> None:
         """Play, pause, speed or seek."""
         if name in ("play", "pause"):
             self._is_playing = name == "play"
@@ -60,7 +60,9 @@ class ReplayTalk(StaffTalk):
         """Load the trial and play it until the page goes."""
         opened = await self._read(self._trial_id)
         if not opened.journal:
-            self.refuse(CloseCode.NO_TRIAL, "nothing was played in this trial: it has no journal")
+            self.turn_away(
+                CloseCode.NO_TRIAL, "nothing was played in this trial: it has no journal"
+            )
             return
         self._last = opened.journal[-1].last_tick
         film = _Film(opened)
@@ -139,7 +141,7 @@ class _Film:
         """The present tick."""
         return self._world.tick
 
-    def show(self, outbox: SpectatorOutbox) -> None:
+    def show(self, outbox: Outbox) -> None:
         """Let the page see this film from now on."""
         self._boxes = int(self._world.boxes_delivered)
         self._audience.add(outbox, 0)

@@ -166,6 +166,12 @@ async def list_run_trials(session: AsyncSession, run_id: str) -> list[TrialRecor
     return [_record(row) for row in rows]
 
 
+async def store_limit(session: AsyncSession, trial: TrialRecord, limit_s: float) -> None:
+    """Wait so long for this trial's absent participant, also when it is opened again."""
+    config = {**trial.config, "abandon_after_s": limit_s}
+    await session.execute(update(Trial).where(Trial.id == trial.id).values(config=config))
+
+
 async def abandon_open(session: AsyncSession, participant_id: int, now: datetime) -> None:
     """Mark what this participant left unfinished."""
     await _abandon(session, Trial.participant_id == participant_id, now)

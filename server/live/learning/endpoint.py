@@ -6,29 +6,23 @@ server's sign-in tells; a page that may not come is told so and closed with 4403
 
 from __future__ import annotations
 
-import asyncio
-import logging
 from collections.abc import Awaitable, Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from starlette.datastructures import Headers
 
-from server.live.connection import Allowance, Receive, refuse_socket, serve_socket
-from server.live.endpoint import HELLO_WITHIN_S
+from server.live.connection import Allowance, Receive, serve_socket
 from server.live.learning import wire
 from server.live.learning.ports import RunEnded
 from server.live.learning.runs import LearningRuns
 from server.live.line import Line
 from server.live.outbox import Send, SpectatorOutbox
-from server.live.wire import CloseCode, Ping, WireError, encode_error, encode_pong
-from server.problems import problem_of
-from study.errors import StudyError
+from server.live.talk import GreetedTalk
+from server.live.wire import CloseCode, Ping, WireError, encode_pong
 
 if TYPE_CHECKING:  # loads numba, so not before a run is opened
     from server.live.learning.experts import Seat
     from server.live.learning.run import LearningRun
-
-logger = logging.getLogger(__name__)
 
 MESSAGES_PER_S = 30.0
 MESSAGES_BURST = 120.0
@@ -50,20 +44,16 @@ class ExpertEndpoint:
 
     async def __call__(self, scope: Mapping[str, Any], receive: Receive, send: Send) -> None:
         """Serve one socket from handshake to close."""
-        await receive()
-        if not self._same_origin(Headers(raw=list(scope["headers"]))):
-            await refuse_socket(send)
-            return
         run_id = str(scope["path_params"]["run"])
 
         def begin(line: Line | None) -> tuple[SpectatorOutbox, ExpertTalk]:
             outbox = SpectatorOutbox(send, line)
             return outbox, ExpertTalk(self._runs, run_id, outbox, lambda: self._identify(scope))
 
-        await serve_socket(scope, receive, send, begin)
+        await serve_socket(scope, receive, send, self._same_origin, begin)
 
 
-class ExpertTalk:
+class ExpertTalk(GreetedTalk):
     """What one expert's socket has said so far and what it may say next."""
 
     def __init__(
@@ -73,49 +63,29 @@ class ExpertTalk:
         outbox: SpectatorOutbox,
         identify: Callable[[], Awaitable[str]],
     ) -> None:
+        super().__init__(outbox, Allowance(MESSAGES_PER_S, MESSAGES_BURST))
         self._runs = runs
         self._run_id = run_id
-        self._outbox = outbox
         self._identify = identify
         self._run: LearningRun | None = None
         self._seat: Seat | None = None
-        self._opening: asyncio.Task[None] | None = None
-        self._patience = asyncio.get_running_loop().call_later(HELLO_WITHIN_S, self._lose_patience)
-        self._allowance = Allowance(MESSAGES_PER_S, MESSAGES_BURST)
 
-    def hear(self, frame: str | bytes) -> None:
-        """Take one message of the page; one that does not fit ends the socket."""
-        if self._outbox.closing.done():
-            return
-        try:
-            self._allowance.spend()
-            if isinstance(frame, bytes):
-                raise WireError("a text message", f"{len(frame)} bytes")
-            self._take(wire.parse_message(frame))
-        except WireError as problem:
-            self._outbox.close(problem.code, str(problem))
-        except StudyError as problem:
-            self._refuse(CloseCode(problem_of(problem).close_code), problem.sentence)
-        except Exception:
-            logger.exception("an expert's socket failed")
-            self._outbox.close(CloseCode.TRY_LATER, "the server had a fault; try again")
+    def take(self, frame: str | bytes) -> None:
+        """Take a message of the expert's page."""
+        if isinstance(frame, bytes):
+            raise WireError("a text message", f"{len(frame)} bytes")
+        self._take(wire.parse_message(frame))
 
-    def leave(self, code: int) -> None:
-        """The socket ends: its run, if it has one, hears of it."""
+    def end(self, code: int) -> None:
+        """The run, if there is one, hears of it."""
         del code
-        self._patience.cancel()
-        if self._opening is not None:
-            self._opening.cancel()
         if self._run is not None and self._seat is not None:
             self._run.leave(self._seat)
         self._run = self._seat = None
 
-    def _lose_patience(self) -> None:
-        self._outbox.close(CloseCode.MALFORMED, "wanted “hello” first, got nothing")
-
     def _take(self, message: wire.ExpertMessage) -> None:
         if isinstance(message, Ping):
-            self._outbox.send_text(encode_pong(message.sent_ms))
+            self.outbox.send_text(encode_pong(message.sent_ms))
         elif isinstance(message, wire.Hello):
             self._greet(message)
         elif self._run is None or self._seat is None:
@@ -128,37 +98,26 @@ class ExpertTalk:
             self._run.edit(self._seat, message)
 
     def _greet(self, message: wire.Hello) -> None:
-        if self._opening is not None:
+        if self.is_greeted:
             raise WireError("“hello” once", "another hello")
         if message.version != wire.EXPERT_VERSION:
             raise WireError(
                 f"protocol version {wire.EXPERT_VERSION} (reload the page)", str(message.version)
             )
-        self._patience.cancel()
-        self._opening = asyncio.create_task(self._open(message))
+        self.open(self._enter(message))
 
-    async def _open(self, message: wire.Hello) -> None:
+    async def _enter(self, message: wire.Hello) -> None:
+        name = await self._identify()
         try:
-            name = await self._identify()
-            try:
-                run = await self._runs.open(self._run_id)
-            except RunEnded:
-                await self._show_ended(name, message.client)
-                return
-            self._seat = run.join(self._outbox, name, message.client)
-            self._run = run
-        except StudyError as problem:
-            self._refuse(CloseCode(problem_of(problem).close_code), problem.sentence)
-        except Exception:
-            logger.exception("a learning run could not be opened")
-            self._refuse(CloseCode.TRY_LATER, "the run cannot be opened now; try again soon")
+            run = await self._runs.open(self._run_id)
+        except RunEnded:
+            await self._show_ended(name, message.client)
+            return
+        self._seat = run.join(self.outbox, name, message.client)
+        self._run = run
 
     async def _show_ended(self, name: str, client: str) -> None:
         """A run that is over still has its curve to show."""
         for text in await self._runs.describe_ended(self._run_id, (name, client)):
-            self._outbox.send_text(text)
-        self._outbox.close(CloseCode.NORMAL, "this learning run has ended")
-
-    def _refuse(self, code: CloseCode, sentence: str) -> None:
-        self._outbox.send_text(encode_error(sentence))
-        self._outbox.close(code, sentence)
+            self.outbox.send_text(text)
+        self.outbox.close(CloseCode.NORMAL, "this learning run has ended")

@@ -36,7 +36,6 @@ logger = logging.getLogger(__name__)
 WORKER_STAYS_S = 60.0
 FIRST_WAIT_S = 1.0
 LONGEST_WAIT_S = 30.0
-BETWEEN_TRIALS = "this trial has ended, so nothing was changed; the next begins in a moment"
 
 
 @dataclass(frozen=True)
