@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any, Literal, cast
 
-from sqlalchemy import ColumnElement, func, or_, select
+from sqlalchemy import ColumnElement, Select, func, or_, select
 from sqlalchemy.ext.asyncio import AsyncSession
 
 from server.store.participants import ParticipantRecord, as_record
@@ -119,23 +119,22 @@ async def list_ledger(
     """One page of the ledger, newest first, and how many rows it has."""
     here = (Claim.study_id == study_id, Claim.mode == mode)
     count = await session.scalar(select(func.count()).select_from(Claim).where(*here))
-    rows = await session.execute(
-        select(
-            Claim.at,
-            Participant.code,
-            Claim.mode,
-            Claim.block,
-            Claim.order_index,
-            Claim.kind,
-            Claim.reason,
-        )
-        .join(Participant, Participant.id == Claim.participant_id)
-        .where(*here)
-        .order_by(Claim.id.desc())
-        .offset(offset)
-        .limit(limit)
-    )
+    wanted = ledger_rows().where(*here).order_by(Claim.id.desc())
+    rows = await session.execute(wanted.offset(offset).limit(limit))
     return [LedgerEntry(*row) for row in rows], count or 0
+
+
+def ledger_rows() -> Select[Any]:
+    """The fields of ledger entries, each with whose it is."""
+    return select(
+        Claim.at,
+        Participant.code,
+        Claim.mode,
+        Claim.block,
+        Claim.order_index,
+        Claim.kind,
+        Claim.reason,
+    ).join(Participant, Participant.id == Claim.participant_id)
 
 
 async def list_blocks(

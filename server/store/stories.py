@@ -9,11 +9,10 @@ from typing import Any
 from sqlalchemy import func, select
 from sqlalchemy.ext.asyncio import AsyncSession
 
-from server.store.dashboard import LedgerEntry
+from server.store.dashboard import LedgerEntry, ledger_rows
 from server.store.tables import (
     AuditEntry,
     Claim,
-    Participant,
     Response,
     StaffNote,
     Trial,
@@ -90,20 +89,8 @@ async def count_events(session: AsyncSession, participant_id: int) -> dict[str, 
 
 async def list_claims(session: AsyncSession, participant_id: int) -> list[LedgerEntry]:
     """A participant's rows of the ledger, oldest first."""
-    rows = await session.execute(
-        select(
-            Claim.at,
-            Participant.code,
-            Claim.mode,
-            Claim.block,
-            Claim.order_index,
-            Claim.kind,
-            Claim.reason,
-        )
-        .join(Participant, Participant.id == Claim.participant_id)
-        .where(Claim.participant_id == participant_id)
-        .order_by(Claim.id)
-    )
+    mine = Claim.participant_id == participant_id
+    rows = await session.execute(ledger_rows().where(mine).order_by(Claim.id))
     return [LedgerEntry(*row) for row in rows]
 
 

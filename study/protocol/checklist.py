@@ -9,7 +9,7 @@ from study.config import Study
 from study.protocol.orders import count_successions
 
 State = Literal["done", "problem", "open"]
-_PLACEHOLDERS = ("TODO", "example.org", "example.com", "your name", "your institution")
+_PLACEHOLDERS = ("TODO", "XXX", "example.org", "example.com", "Lorem ipsum")
 
 
 @dataclass(frozen=True)
@@ -60,17 +60,19 @@ def _consent(study: Study) -> Point:
 
 
 def _texts(study: Study) -> Point:
-    text = study.canonical_json.lower()
-    found = [mark for mark in _PLACEHOLDERS if mark.lower() in text]
+    found = [mark for mark in _PLACEHOLDERS if mark in study.canonical_json]
     if found:
         return Point("Texts", "problem", f"they still hold “{found[0]}”: write your own there")
-    return Point("Texts", "open", "read every page below as a participant would")
+    reached = f"who has questions is sent to {study.texts.contact}"
+    return Point("Texts", "open", f"read every page below as a participant would; {reached}")
 
 
 def _plan(study: Study) -> Point:
     planned = study.planned_participants
     if planned is None:
-        return Point("Sample size", "problem", "`planned_participants` is not set")
+        return Point(
+            "Sample size", "problem", "“planned_participants” is not set in the study file"
+        )
     if planned % len(study.orders):
         detail = f"{planned} participants do not fill {len(study.orders)} orders evenly"
         return Point("Sample size", "open", detail)
@@ -135,4 +137,8 @@ def _encryption(around: Surroundings) -> Point:
 def _recruiting(study: Study) -> Point:
     if study.recruiting == "live":
         return Point("Recruiting", "done", "participants count as live")
-    return Point("Recruiting", "open", "participants count as pilots until `recruiting` is live")
+    return Point(
+        "Recruiting",
+        "open",
+        "participants count as pilots until “recruiting” is “live” in the study file",
+    )
