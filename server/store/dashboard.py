@@ -124,7 +124,7 @@ async def list_ledger(
     return [LedgerEntry(*row) for row in rows], count or 0
 
 
-def ledger_rows() -> Select[Any]:
+def ledger_rows() -> Select[datetime, str, str, int, int, str, str]:
     """The fields of ledger entries, each with whose it is."""
     return select(
         Claim.at,
