@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from server.learning_records import STEP, read_settings, read_versions, record_trial, run_setup
-from server.live.learning.ports import OpenRun, Rating
+from server.live.learning.ports import OpenRun
 from server.live.ports import OpenTrial, TrialSetup
 from server.store import learning as runs
 from server.store.engine import Database
@@ -202,7 +202,7 @@ class StoredLearningDesk:
             status=run.status,
             versions=await asyncio.to_thread(read_versions, documents),
             pairs=tuple(pairs),
-            ratings=tuple(Rating(**rating) for rating in ratings),
+            ratings=ratings,
             trials=len(trials),
             trial=trial,
             start=start,

@@ -22,6 +22,7 @@ from server.store.tables import (
     StoredPolicy,
 )
 from study.errors import UnknownRun, UnknownToken
+from study.learning.agreement import Setting
 from study.learning.dataset import Pair
 
 if TYPE_CHECKING:
@@ -30,9 +31,7 @@ if TYPE_CHECKING:
 FETCH_ROWS = 500
 _ID = re.compile(r"[0-9a-f]{32}")
 _PAIR_COLUMNS = tuple(getattr(LearningPair, name) for name in Pair._fields)
-_RATING_FIELDS = (
-    "number", "trial", "tick", "expert", "agent", "mask", "lead_mask", "drawn",
-)  # fmt: skip
+_SETTING_COLUMNS = tuple(getattr(LearningRating, name) for name in Setting._fields)
 RunStatus = Literal["open", "finished", "stopped"]
 WorkerKind = Literal["person", "simulated"]
 
@@ -159,8 +158,8 @@ async def add_rows(session: AsyncSession, rows: LearningRows, now: datetime) -> 
         await keep_policy(session, version.policy, "run", now)
     await insert_new(session, LearningVersion, [_version_row(run.id, v) for v in rows.versions])
     ratings = [
-        {"run_id": run.id} | {name: getattr(rating, name) for name in _RATING_FIELDS}
-        for rating in rows.ratings
+        {"run_id": run.id, "number": number, **setting._asdict()}
+        for number, setting in rows.ratings
     ]
     await insert_new(session, LearningRating, ratings)
     await session.execute(
@@ -175,16 +174,8 @@ async def add_rows(session: AsyncSession, rows: LearningRows, now: datetime) -> 
         await end_run(session, run.id, "finished", now)
 
 
-async def read_pairs(session: AsyncSession, run_id: str) -> tuple[Pair, ...]:
-    """The whole dataset of a run, in the order in which it was met."""
-    rows = await session.execute(
-        select(*_PAIR_COLUMNS).where(LearningPair.run_id == run_id).order_by(LearningPair.number)
-    )
-    return tuple(Pair(*row) for row in rows)
-
-
 async def stream_pairs(session: AsyncSession, run_id: str) -> AsyncIterator[Pair]:
-    """The same, a few at a time."""
+    """The whole dataset of a run, in the order in which it was met, a few at a time."""
     query = (
         select(*_PAIR_COLUMNS).where(LearningPair.run_id == run_id).order_by(LearningPair.number)
     )
@@ -193,14 +184,14 @@ async def stream_pairs(session: AsyncSession, run_id: str) -> AsyncIterator[Pair
         yield Pair(*row)
 
 
-async def read_ratings(session: AsyncSession, run_id: str) -> list[dict[str, Any]]:
-    """All ratings of a run by field, oldest first."""
-    rows = await session.scalars(
-        select(LearningRating)
+async def read_ratings(session: AsyncSession, run_id: str) -> tuple[Setting, ...]:
+    """What experts without the lead had set in a run, oldest first."""
+    rows = await session.execute(
+        select(*_SETTING_COLUMNS)
         .where(LearningRating.run_id == run_id)
         .order_by(LearningRating.number)
     )
-    return [{name: getattr(row, name) for name in _RATING_FIELDS} for row in rows]
+    return tuple(Setting(*row) for row in rows)
 
 
 async def read_versions(session: AsyncSession, run_id: str) -> list[tuple[int, str]]:

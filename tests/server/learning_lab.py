@@ -9,10 +9,11 @@ from typing import Any
 from sqlalchemy import func, select
 
 from server.learning_desk import RunRequest, StoredLearningDesk
-from server.live.learning.ports import LearningRows, OpenRun, Rating
+from server.live.learning.ports import LearningRows, OpenRun
 from server.live.ports import TrialBatch, TrialSetup
 from server.store.engine import Database
 from server.trial_desk import StoredTrialDesk
+from study.learning.agreement import Setting
 from study.learning.dataset import Pair
 from study.learning.settings import LearningSettings
 from study.records.events import JournalEvent
@@ -46,8 +47,8 @@ def pair(number: int) -> Pair:
     )
 
 
-def rating(number: int) -> Rating:
-    return Rating(number, 0, 120, "ben", number, 7, 3, 5)
+def rating(agent: int) -> Setting:
+    return Setting(0, 120, "ben", agent, 7, 3, 5)
 
 
 def rows(run_id: str, first: int, last: int, **changes: Any) -> LearningRows:

@@ -14,6 +14,7 @@ from study.errors import StudyError, WrongStep
 
 if TYPE_CHECKING:  # the web process loads the compiled world only after it answers
     from server.live.ports import OpenTrial, TrialSetup
+    from study.learning.agreement import Setting
     from study.learning.dataset import Pair
     from study.learning.policy import Policy
     from study.learning.settings import LearningSettings
@@ -58,28 +59,11 @@ class RunVersion:
 
 
 @dataclass(frozen=True)
-class Rating:
-    """What an expert without the lead had set for an agent at a snapshot, beside the lead's mask.
-
-    `number` counts the run's ratings from 0. `agent`: robots first, then stations. `drawn`:
-    elements that could draw anything at that moment.
-    """
-
-    number: int
-    trial: int
-    tick: int
-    expert: str
-    agent: int
-    mask: int
-    lead_mask: int
-    drawn: int
-
-
-@dataclass(frozen=True)
 class LearningRows:
     """What a trial added to its run since the last commit; rides on `TrialBatch.learning`.
 
-    `pairs`: (number in the run from 0, pair). Like its batch it may arrive twice: pairs are told
+    `pairs`: (number in the run from 0, pair). `ratings`: (number in the run from 0, what an expert
+    without the lead had set). Like its batch it may arrive twice: pairs are told
     apart by number, versions by iteration, ratings by number; store each once. `iteration`: how
     many iterations are closed. `finished`: the last version has come; the run is over.
     """
@@ -87,7 +71,7 @@ class LearningRows:
     run_id: str
     pairs: tuple[tuple[int, Pair], ...]
     versions: tuple[RunVersion, ...]
-    ratings: tuple[Rating, ...]
+    ratings: tuple[tuple[int, Setting], ...]
     iteration: int
     finished: bool
 
@@ -105,7 +89,7 @@ class OpenRun:
     status: RunStatus
     versions: tuple[RunVersion, ...]
     pairs: tuple[Pair, ...]
-    ratings: tuple[Rating, ...]
+    ratings: tuple[Setting, ...]
     trials: int
     trial: OpenTrial | None
     start: Mapping[str, Any] | None

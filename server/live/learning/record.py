@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from typing import TypeVar
 
 from server.learned_policies import describe_version
-from server.live.learning.ports import LearningRows, OpenRun, Rating, RunVersion
+from server.live.learning.ports import LearningRows, OpenRun, RunVersion
 from study.errors import JournalError
 from study.learning.agreement import Agreement, Setting
 from study.learning.curve import Curve
@@ -52,7 +52,7 @@ class RunRecord:
         self._rated: Counter[int] = Counter()
         self._new_pairs: list[tuple[int, Pair]] = []
         self._new_versions: list[RunVersion] = []
-        self._new_ratings: list[Rating] = []
+        self._new_ratings: list[tuple[int, Setting]] = []
         if opened.versions:
             self.versions += opened.versions
         else:
@@ -69,7 +69,7 @@ class RunRecord:
         """The record of all that is stored. Errors: JournalError when a part is missing."""
         record = cls(opened)
         await in_slices(opened.pairs, record.curve.add)
-        await in_slices((_setting(rating) for rating in opened.ratings), record.agreement.add)
+        await in_slices(opened.ratings, record.agreement.add)
         record._pairs, record._ratings = len(opened.pairs), len(opened.ratings)
         record._rated.update(rating.trial for rating in opened.ratings)
         record.stored_iterations = max((pair.iteration for pair in opened.pairs), default=0)
@@ -96,7 +96,7 @@ class RunRecord:
         """What experts without the lead had set at a snapshot."""
         for setting in settings:
             self.agreement.add(setting)
-            self._new_ratings.append(Rating(self._ratings, *setting))
+            self._new_ratings.append((self._ratings, setting))
             self._ratings += 1
 
     def add_version(self, version: RunVersion) -> None:
@@ -164,10 +164,3 @@ def as_version(stored: RunVersion) -> Version:
     policy = stored.policy
     data_sha256 = Dataset().sha256() if policy.training is None else policy.training["data_sha256"]
     return Version(stored.iteration, (policy.robot_table, policy.station_table), data_sha256)
-
-
-def _setting(rating: Rating) -> Setting:
-    return Setting(
-        rating.trial, rating.tick, rating.expert, rating.agent,
-        rating.mask, rating.lead_mask, rating.drawn,
-    )  # fmt: skip

@@ -66,9 +66,9 @@ async def test_rows_that_come_twice_are_stored_once(lab: Lab) -> None:
     """A batch is offered again when the answer to it was lost; later ones may ride along."""
     setup = await lab.begin(0)
     versions = tuple(RunVersion(n, make_policy(f"v{n}", "people", n)) for n in (1, 2))
-    ratings = (rating(0), rating(1))
+    ratings = ((0, rating(0)), (1, rating(1)))
     first = batch(setup.trial_id, 1, rows(lab.run_id, 0, 50, versions=versions, ratings=ratings))
-    later = batch(setup.trial_id, 3, rows(lab.run_id, 50, 60, ratings=(rating(2),)))
+    later = batch(setup.trial_id, 3, rows(lab.run_id, 50, 60, ratings=((2, rating(2)),)))
     initial = RunVersion(0, initial_policy())
     opening = batch(setup.trial_id, 1, rows(lab.run_id, 0, 0, versions=(initial,)))
     await lab.trials.commit([opening])
@@ -78,7 +78,7 @@ async def test_rows_that_come_twice_are_stored_once(lab: Lab) -> None:
     run, summary = await lab.read(), await lab.desk.read_run_summary(lab.run_id)
     assert run.pairs == tuple(pair(number) for number in range(60))
     assert run.versions == (initial, *versions)
-    assert run.ratings == (*ratings, rating(2))
+    assert run.ratings == (rating(0), rating(1), rating(2))
     assert (summary.iteration, summary.pairs, summary.status) == (2, 60, "open")
 
 

@@ -16,11 +16,12 @@ import numpy as np
 from server.live.hall import Hall
 from server.live.learning import wire
 from server.live.learning.experts import Seat
-from server.live.learning.ports import OpenRun, Rating, RunSetup, RunVersion
+from server.live.learning.ports import OpenRun, RunSetup, RunVersion
 from server.live.learning.run import LearningRun
 from server.live.learning.runs import LearningRuns
 from server.live.ports import OpenTrial, TrialBatch, TrialResult, TrialSetup
 from study.errors import UnknownRun, UnknownToken, WrongMoment
+from study.learning.agreement import Setting
 from study.learning.dataset import Pair
 from study.learning.policy import read_policy
 from study.learning.settings import LearningSettings
@@ -46,7 +47,7 @@ class MemoryLearningDesk:
         self.status: Any = "open"
         self.versions: dict[int, str] = {}
         self.pairs: dict[int, Pair] = {}
-        self.ratings: dict[int, Rating] = {}
+        self.ratings: dict[int, Setting] = {}
         self.iteration = 0
         self.trials: list[tuple[TrialSetup, str]] = []
         self.chunks: dict[str, list[JournalChunk]] = {}
@@ -118,7 +119,7 @@ class MemoryLearningDesk:
             if rows is not None:
                 self.pairs |= dict(rows.pairs)
                 self.versions |= {v.iteration: v.policy.to_json() for v in rows.versions}
-                self.ratings |= {rating.number: rating for rating in rows.ratings}
+                self.ratings |= dict(rows.ratings)
                 self.iteration = rows.iteration
                 self.status = "finished" if rows.finished else self.status
         return set()
