@@ -60,7 +60,7 @@ pictures: test-needs ## Draw the pictures of the README and of the explanation p
 	@PYTHONPATH=. .venv/bin/python -m tests.browser.page_pictures
 
 results: install ## Learn, simulate and write docs/results.md again (about 15 minutes; SIZE=small to try)
-	@.venv/bin/python -m server.results $(if $(SIZE),--size $(SIZE))
+	@.venv/bin/python -m server.results.run $(if $(SIZE),--size $(SIZE))
 
 clean: ## Remove what was installed and built, but never data under var/
 	rm -rf .venv node_modules web/static/dist .mypy_cache .ruff_cache

@@ -17,21 +17,25 @@ from starlette.requests import HTTPConnection, Request
 from starlette.responses import Response
 from starlette.routing import WebSocketRoute
 
-from server.admin_desk import AdminDesk
 from server.api import description
-from server.bot_desk import BotDesk
+from server.dashboard.sockets import staff_sockets
+from server.dashboard.watch import LiveWatch
 from server.deps import Services, find_account, require_expert, require_staff
-from server.figures import ServerFigures
+from server.desks.bots import BotDesk
+from server.desks.learning import StoredLearningDesk
+from server.desks.participants import ParticipantDesk
+from server.desks.policies import PolicyDesk
+from server.desks.staff import AdminDesk
+from server.desks.trials import StoredTrialDesk
 from server.kernel_cache import kernel_folder
-from server.learning_desk import StoredLearningDesk
 from server.live.compiling import prepare_kernels
 from server.live.endpoint import LiveEndpoint
 from server.live.hall import Hall
 from server.live.learning.endpoint import ExpertEndpoint
 from server.live.learning.runs import LearningRuns
 from server.live.learning.trainer import PoolTrainer
-from server.live_watch import LiveWatch
 from server.locations import web_root
+from server.metrics import ServerFigures
 from server.pages import (
     admin,
     admin_data,
@@ -47,16 +51,12 @@ from server.pages import (
 )
 from server.pages.errors import answer_error
 from server.pages.rendering import CachedFiles, Renderer
-from server.participant_desk import ParticipantDesk
-from server.policy_desk import PolicyDesk
 from server.security import Guard, same_origin
 from server.settings import Settings
 from server.signin import SignIns
-from server.staff_sockets import staff_sockets
 from server.store.engine import Database, StorageAway, serve_alone
 from server.store.schema import check_schema
 from server.tokens import mask_server_logs
-from server.trial_desk import StoredTrialDesk
 from server.worker_links import WorkerLinks
 from study.config import Study
 from study.errors import NotAllowedLive, StudyError

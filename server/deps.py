@@ -10,18 +10,18 @@ from typing import Annotated, cast
 from fastapi import Depends, Request
 from prometheus_client import CollectorRegistry
 
-from server.admin_desk import AdminDesk
-from server.bot_desk import BotDesk
-from server.learning_desk import StoredLearningDesk
+from server.desks.bots import BotDesk
+from server.desks.learning import StoredLearningDesk
+from server.desks.participants import ParticipantDesk
+from server.desks.policies import PolicyDesk
+from server.desks.staff import AdminDesk
+from server.desks.trials import StoredTrialDesk
 from server.pages.rendering import Renderer
-from server.participant_desk import ParticipantDesk
-from server.policy_desk import PolicyDesk
 from server.problems import RoleNeeded, SignInNeeded
 from server.settings import Settings
 from server.signin import COOKIE, SignIns
 from server.store.engine import Database
 from server.store.users import StaffRecord, read_user
-from server.trial_desk import StoredTrialDesk
 from server.worker_links import WorkerLinks
 
 

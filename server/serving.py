@@ -15,17 +15,17 @@ from contextlib import closing
 
 import uvicorn
 
-from server.accounts import ensure_admin
 from server.app import create_app
+from server.desks.accounts import ensure_admin
+from server.desks.policies import PolicyDesk
+from server.desks.study_versions import register_versions
 from server.live.line import LineProtocol
 from server.locations import web_root
 from server.pages.rendering import Renderer
-from server.policy_desk import PolicyDesk
 from server.settings import Settings
 from server.store.engine import Database, serve_alone
 from server.store.schema import check_schema, migrate
 from server.study_files import ReadStudy
-from server.study_versions import register_versions
 from study.config import Study
 from study.errors import StudyError
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from server.cli import app, user
+from server.cli.main import app, user
 from server.settings import Settings
 from study.records.tables import TABLES
 from study.warehouse.layout import PRESETS

@@ -45,7 +45,7 @@ def test_the_image_starts_a_command_that_the_package_installs() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     command = json.loads(dict(dockerfile_steps())["CMD"])
     assert command[0] in project["scripts"]
-    from server.cli import app
+    from server.cli.main import app
 
     assert command[1] in {info.name or info.callback.__name__ for info in app.registered_commands}
 

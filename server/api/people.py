@@ -20,7 +20,7 @@ from server.api.records import (
     Wanted,
 )
 from server.deps import AdminDep, Services, ServicesDep
-from server.life_desk import LifeDesk
+from server.desks.lives import LifeDesk
 from server.store.participants import UnknownParticipant
 from server.store.staff_lists import Listing, list_people, list_trials
 from server.store.trials import UnknownTrial

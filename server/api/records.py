@@ -8,7 +8,7 @@ from typing import Annotated, Any, Generic, Literal, TypeVar
 from fastapi import Path, Query
 from pydantic import BaseModel, ConfigDict, Field
 
-from server.bot_desk import MOST_AT_ONCE
+from server.desks.bots import MOST_AT_ONCE
 from study.protocol.lifecycle import Status
 
 Row = TypeVar("Row")

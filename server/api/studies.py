@@ -10,11 +10,11 @@ from starlette.responses import StreamingResponse
 
 from server.api.records import Mode, Name, StudyDetail, StudySummary
 from server.deps import AdminDep, Services, ServicesDep
-from server.export import ExportOptions
-from server.export_process import begin_export
+from server.desks.trials import utc_now
+from server.export.bundle import ExportOptions
+from server.export.process import begin_export
 from server.store.participants import count_by_status
 from server.store.users import add_audit
-from server.trial_desk import utc_now
 from study.config import Study
 
 router = APIRouter(prefix="/api/v1/studies", tags=["studies"])

@@ -12,7 +12,7 @@ from datetime import datetime
 from typing import TYPE_CHECKING, Literal, Protocol
 
 if TYPE_CHECKING:  # the web process loads the compiled world only after it answers
-    from server.live.learning.ports import LearningRows
+    from server.live.learning.rows import LearningRows
     from study.learning.policy import Policy
     from study.records.events import JournalEvent
     from study.records.journal import JournalChunk

@@ -8,12 +8,12 @@ from fastapi import APIRouter
 from starlette.responses import Response, StreamingResponse
 
 from server.deps import AdminDeskDep, Services
-from server.export import ExportOptions
-from server.export_process import begin_export
+from server.desks.policies import needs_confirmation
+from server.desks.trials import utc_now
+from server.export.bundle import ExportOptions
+from server.export.process import begin_export
 from server.pages.admin_frame import FrameDep
-from server.policy_desk import needs_confirmation
 from server.store.users import add_audit
-from server.trial_desk import utc_now
 from study.config import Study
 
 router = APIRouter(prefix="/admin", include_in_schema=False)

@@ -8,7 +8,7 @@ from fastapi import APIRouter
 from starlette.responses import Response
 
 from server.deps import AdminDeskDep
-from server.export_items import study_items
+from server.export.items import study_items
 from server.pages.admin_frame import FrameDep, clamp_page, query_of
 from server.store.dashboard import list_blocks, list_ledger
 from server.store.data_checks import (

@@ -11,7 +11,7 @@ from fastapi import Depends
 from starlette.responses import Response
 
 from server.deps import AdminDep, Services, ServicesDep
-from server.export import MODES
+from server.export.bundle import MODES
 from server.store.users import StaffRecord
 from study.config import Study
 from study.errors import InvalidValue, UnknownStudy

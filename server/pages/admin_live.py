@@ -7,8 +7,8 @@ import re
 from fastapi import APIRouter
 from starlette.responses import RedirectResponse, Response
 
+from server.dashboard.people import describe_people
 from server.deps import AdminDep, AdminDeskDep, FormDep, ServicesDep
-from server.live_people import describe_people
 from server.pages.admin_frame import FrameDep
 from server.store.participants import read_participant
 from server.store.trials import TrialRecord, UnknownTrial, read_trial

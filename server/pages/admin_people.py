@@ -10,7 +10,7 @@ from fastapi import APIRouter
 from starlette.responses import RedirectResponse, Response
 
 from server.deps import AdminDep, AdminDeskDep, FormDep, ServicesDep
-from server.life_desk import LifeDesk
+from server.desks.lives import LifeDesk
 from server.pages.admin_frame import Frame, FrameDep, clamp_page, query_of
 from server.store.dashboard import SORTS, Wanted, search_participants
 from server.store.lives import list_changes

@@ -9,9 +9,9 @@ from fastapi import APIRouter, Request
 from starlette.responses import Response
 
 from server.deps import AdminDeskDep
+from server.desks.participants import Visit
 from server.pages.admin_frame import FrameDep
 from server.pages.views import View, view_step
-from server.participant_desk import Visit
 from server.store.dashboard import count_crowds
 from server.store.participants import ParticipantRecord
 from server.store.studies import list_entries

@@ -10,9 +10,9 @@ from fastapi import APIRouter
 from starlette.responses import RedirectResponse, Response
 
 from server.deps import AdminDep, FormDep, ServicesDep, UploadDep
+from server.desks.policies import ConfirmationNeeded, needs_confirmation
 from server.pages.policy_tables import lay_out_policy
 from server.pages.rendering import moment
-from server.policy_desk import ConfirmationNeeded, needs_confirmation
 from server.policy_files import shipped_policy
 from server.store.policies import PolicyEntry
 from server.store.users import StaffRecord

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal, get_args
 
-from server.learning_desk import RunRequest
+from server.desks.learning import RunRequest
 from server.store.learning import WorkerKind
 from study.errors import AnswerError, InvalidValue
 from study.learning.classifiers import CLASSIFIERS

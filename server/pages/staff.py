@@ -7,12 +7,12 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import RedirectResponse, Response
 
-from server.accounts import check_password
 from server.deps import FormDep, ServicesDep, StaffDep, find_staff
+from server.desks.accounts import check_password
+from server.desks.trials import utc_now
 from server.problems import TooOften, problem_of
 from server.signin import COOKIE, SESSION_S
 from server.store.users import StaffRecord, add_audit
-from server.trial_desk import utc_now
 
 router = APIRouter(include_in_schema=False)
 _HOMES = {"admin": "/admin", "expert": "/expert"}

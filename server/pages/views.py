@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, cast
 
-from server.participant_desk import Visit
+from server.desks.participants import Visit
 from study.protocol.device import FIELDS
 from study.protocol.displays import SHOWN, display_label
 from study.protocol.flow import step_kind

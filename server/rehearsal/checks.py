@@ -12,8 +12,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from server.analysis_bundle import Row, read_bundle
-from server.analysis_files import REPORT
+from server.analysis.bundle import Row, read_bundle
+from server.analysis.files import REPORT
 from server.rehearsal.person import Story
 from study.errors import StudyError
 

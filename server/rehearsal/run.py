@@ -155,6 +155,6 @@ def _draws(seed: int, number: int) -> random.Random:
 
 
 def _analyse(file: Path, report: Path) -> None:
-    from server.analysis import AnalysisOptions, analyze
+    from server.analysis.run import AnalysisOptions, analyze
 
     analyze(AnalysisOptions(file, report, "bot"))

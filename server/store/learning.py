@@ -26,7 +26,7 @@ from study.learning.agreement import Setting
 from study.learning.dataset import Pair
 
 if TYPE_CHECKING:
-    from server.live.learning.ports import LearningRows, RunVersion
+    from server.live.learning.rows import LearningRows, RunVersion
 
 FETCH_ROWS = 500
 _ID = re.compile(r"[0-9a-f]{32}")

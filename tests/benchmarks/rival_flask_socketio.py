@@ -22,9 +22,9 @@ from importlib.metadata import version
 from multiprocessing.connection import Connection
 from typing import Any
 
-from server.bench_clients import BenchClient, run_clients
-from server.bench_live import bench_live
-from server.bench_wire import record_walk
+from server.bench.clients import BenchClient, run_clients
+from server.bench.live import bench_live
+from server.bench.wire import record_walk
 from server.kernel_cache import open_kernel_cache
 from server.live.lateness import Lateness
 from study.warehouse.halls import PRESETS

@@ -42,7 +42,7 @@ def serve_demo() -> Iterator[str]:
             "VARIL_PORT": str(port),
             "VARIL_ADMIN_PASSWORD": PASSWORD,
         }
-        command = [sys.executable, "-c", "from server.cli import main; main()", "serve"]
+        command = [sys.executable, "-c", "from server.cli.main import main; main()", "serve"]
         process = subprocess.Popen(command, env=environment, cwd=ROOT, stdout=subprocess.DEVNULL)
         try:
             wait_for(f"http://127.0.0.1:{port}/healthz")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 
-from server.cli import read_settings
+from server.cli.context import read_settings
 from server.serving import serve
 from server.study_files import ReadStudy
 from study.config import Study

@@ -8,11 +8,12 @@ from typing import Any
 
 from sqlalchemy import func, select
 
-from server.learning_desk import RunRequest, StoredLearningDesk
-from server.live.learning.ports import LearningRows, OpenRun
+from server.desks.learning import RunRequest, StoredLearningDesk
+from server.desks.trials import StoredTrialDesk
+from server.live.learning.ports import OpenRun
+from server.live.learning.rows import LearningRows
 from server.live.ports import TrialBatch, TrialSetup
 from server.store.engine import Database
-from server.trial_desk import StoredTrialDesk
 from study.learning.agreement import Setting
 from study.learning.dataset import Pair
 from study.learning.settings import LearningSettings

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from server.cli import app, run_command
+from server.cli.main import app, run_command
 from server.health import Check, examine
 from server.settings import Settings
 

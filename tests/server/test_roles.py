@@ -15,7 +15,7 @@ from starlette.routing import BaseRoute, WebSocketRoute
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
-from server.learning_desk import RunRequest
+from server.desks.learning import RunRequest
 from study.learning.settings import LearningSettings
 
 SignIn = Callable[[str], TestClient]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from server.cli import app, run_command
+from server.cli.main import app, run_command
 from server.policy_files import shipped_policy
 from server.settings import Settings
 from server.study_files import begin_study, read_study_file, read_study_files

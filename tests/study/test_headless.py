@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from server.backends import Backend
-from server.simulation import SimulationOptions, run_simulation
+from server.headless.backends import Backend
+from server.headless.trials import SimulationOptions, run_simulation
 from study.errors import InvalidValue, UnknownCondition
 from study.headless import simulate_many, simulate_trial
 from study.people.patrols import PATROLS, Patrol

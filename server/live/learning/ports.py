@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 from study.errors import StudyError, WrongStep
 
 if TYPE_CHECKING:  # the web process loads the compiled world only after it answers
+    from server.live.learning.rows import RunVersion
     from server.live.ports import OpenTrial, TrialSetup
     from study.learning.agreement import Setting
     from study.learning.dataset import Pair
-    from study.learning.policy import Policy
     from study.learning.settings import LearningSettings
     from study.warehouse.halls import HallSpec
 
@@ -45,35 +45,6 @@ class RunSetup:
     spec: HallSpec
     worker: WorkerKind
     created_by: str
-
-
-@dataclass(frozen=True)
-class RunVersion:
-    """The policy after so many iterations; iteration 0 is the initial policy.
-
-    From iteration 1 on `policy.training["data_sha256"]` is the hash of what it was trained on.
-    """
-
-    iteration: int
-    policy: Policy
-
-
-@dataclass(frozen=True)
-class LearningRows:
-    """What a trial added to its run since the last commit; rides on `TrialBatch.learning`.
-
-    `pairs`: (number in the run from 0, pair). `ratings`: (number in the run from 0, what an expert
-    without the lead had set). Like its batch it may arrive twice: pairs are told
-    apart by number, versions by iteration, ratings by number; store each once. `iteration`: how
-    many iterations are closed. `finished`: the last version has come; the run is over.
-    """
-
-    run_id: str
-    pairs: tuple[tuple[int, Pair], ...]
-    versions: tuple[RunVersion, ...]
-    ratings: tuple[tuple[int, Setting], ...]
-    iteration: int
-    finished: bool
 
 
 @dataclass(frozen=True)

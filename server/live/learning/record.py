@@ -10,8 +10,9 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from typing import TypeVar
 
-from server.learned_policies import describe_version
-from server.live.learning.ports import LearningRows, OpenRun, RunVersion
+from server.desks.learned_policies import describe_version
+from server.live.learning.ports import OpenRun
+from server.live.learning.rows import LearningRows, RunVersion
 from study.errors import JournalError
 from study.learning.agreement import Agreement, Setting
 from study.learning.curve import Curve

@@ -19,7 +19,7 @@ from study.ar.display import DECISION_EVERY_TICKS
 from study.learning.session import Entry, LearningSession
 
 if TYPE_CHECKING:
-    from server.live.learning.ports import LearningRows
+    from server.live.learning.rows import LearningRows
     from server.live.learning.simulated_worker import SimulatedWorker
     from study.warehouse.world import World
 

@@ -15,14 +15,10 @@ from server.live.hall import Hall
 from server.live.learning import telling, wire
 from server.live.learning.experts import Experts, Seat, messages_in
 from server.live.learning.opening import NextTrial, Scene, begin_scene, open_room, plan_trial
-from server.live.learning.ports import (
-    LearningDesk,
-    LearningRows,
-    OpenRun,
-    RunEnded,
-)
+from server.live.learning.ports import LearningDesk, OpenRun, RunEnded
 from server.live.learning.record import RunRecord
 from server.live.learning.room import LearningRoom
+from server.live.learning.rows import LearningRows
 from server.live.learning.trainer import Trainer
 from server.live.learning.trainings import Trainings
 from server.live.ports import OpenTrial, TrialBatch

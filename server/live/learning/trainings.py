@@ -8,8 +8,8 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 
-from server.live.learning.ports import RunVersion
 from server.live.learning.record import RunRecord, as_version
+from server.live.learning.rows import RunVersion
 from server.live.learning.trainer import Trainer
 from study.learning.policy_up import Version
 from study.learning.session import LearningSession

@@ -2,7 +2,7 @@
 
 import pytest
 
-from server.bench_wire import measure_wire
+from server.bench.wire import measure_wire
 from server.live import wire
 from study.headless import simulate_trial
 from study.warehouse.layout import PRESETS, build_layout

@@ -10,7 +10,7 @@ from fastapi import FastAPI
 from playwright.sync_api import Page
 from starlette.testclient import TestClient
 
-from server.accounts import add_user
+from server.desks.accounts import add_user
 from tests.server.bad_policies import make_policy
 from tests.server.pages.looking import problems_of
 

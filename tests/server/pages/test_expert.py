@@ -14,7 +14,7 @@ import pytest
 from fastapi import FastAPI
 from starlette.testclient import TestClient
 
-from server.live.learning.ports import RunVersion
+from server.live.learning.rows import RunVersion
 from server.store.learning import add_rows
 from server.worker_links import COOKIE
 from study.learning.policy import initial_policy, read_policy

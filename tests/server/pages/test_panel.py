@@ -13,7 +13,7 @@ from sqlalchemy import func, select
 from starlette.testclient import TestClient
 
 from server.app import create_app
-from server.participant_desk import ParticipantDesk
+from server.desks.participants import ParticipantDesk
 from server.settings import Settings
 from server.store.engine import Database
 from server.store.schema import migrate

@@ -12,7 +12,7 @@ from pwdlib import PasswordHash
 from pwdlib.hashers.argon2 import Argon2Hasher
 from starlette.testclient import TestClient
 
-from server.accounts import AccountError, _decoy_hash, add_user, ensure_admin
+from server.desks.accounts import AccountError, _decoy_hash, add_user, ensure_admin
 from server.settings import Settings
 from server.signin import COOKIE
 from server.store.users import find_user, list_audit
@@ -25,7 +25,7 @@ HOMES = {"admin": "/admin", "expert": "/expert"}
 def _quick_hashing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Real hashing takes a quarter of a second each time; one test below uses it."""
     hasher = PasswordHash((Argon2Hasher(time_cost=1, memory_cost=64, parallelism=1),))
-    monkeypatch.setattr("server.accounts._hasher", lambda: hasher)
+    monkeypatch.setattr("server.desks.accounts._hasher", lambda: hasher)
     _decoy_hash.cache_clear()
 
 
@@ -203,7 +203,7 @@ def test_an_unusable_account_is_refused(
 def test_passwords_are_stored_as_argon2id(
     client: TestClient, app: FastAPI, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.accounts._hasher", PasswordHash.recommended)
+    monkeypatch.setattr("server.desks.accounts._hasher", PasswordHash.recommended)
     database = app.state.services.database
     call(client, add_user, database, "real", "expert", PASSWORD)
 

@@ -13,10 +13,11 @@ from typing import Any
 import pytest
 from sqlalchemy import func, select
 
-from server.export import ExportOptions, stream_export
-from server.life_desk import AlreadyErased, LifeDesk
+from server.desks.lives import AlreadyErased, LifeDesk
+from server.desks.participants import ParticipantDesk
+from server.desks.trials import StoredTrialDesk
+from server.export.bundle import ExportOptions, stream_export
 from server.live.ports import TrialBatch, TrialResult
-from server.participant_desk import ParticipantDesk
 from server.store.claims import list_held
 from server.store.engine import Database
 from server.store.lives import PARTS_OF_A_TRIAL
@@ -29,7 +30,6 @@ from server.store.tables import (
     Response,
     Trial,
 )
-from server.trial_desk import StoredTrialDesk
 from study.config import Study
 from study.errors import InvalidValue, UnknownToken, WrongStep
 from study.protocol.lifecycle import WrongChange

@@ -10,22 +10,22 @@ from datetime import UTC, datetime
 
 import pytest
 
-from server.export import ExportOptions, stream_export
-from server.live.learning.ports import RunVersion
+from server.desks.policies import ConfirmationNeeded, PolicyDesk
+from server.desks.trials import StoredTrialDesk
+from server.export.bundle import ExportOptions, stream_export
+from server.live.learning.rows import RunVersion
 from server.live.ports import TrialResult
-from server.policy_desk import ConfirmationNeeded, PolicyDesk
 from server.policy_files import shipped_policy
 from server.store.engine import Database
 from server.store.policies import PolicyEntry
 from server.store.users import list_audit
-from server.trial_desk import StoredTrialDesk
 from study.ar.thresholds import Thresholds
 from study.config import Study
 from study.errors import InvalidValue, PolicyError
 from study.learning.policy import Policy
 from tests.server.bad_policies import make_policy
+from tests.server.desks.test_trials import Site
 from tests.server.learning_lab import Lab, batch, rows
-from tests.server.store.test_trial_desk import Site
 
 MakeResult = Callable[..., TrialResult]
 TAUGHT, BRED = make_policy("taught", "people", 1), make_policy("bred", "simulated", 2)

@@ -13,14 +13,14 @@ from typing import Any
 import pytest
 from sqlalchemy import select, update
 
+from server.desks.participants import ParticipantDesk
+from server.desks.study_versions import register_versions
+from server.desks.trials import StoredTrialDesk
 from server.live.ports import TrialResult
-from server.participant_desk import ParticipantDesk
 from server.store.engine import Database
 from server.store.studies import list_entries
 from server.store.tables import Claim, Participant
 from server.study_files import ReadStudy
-from server.study_versions import register_versions
-from server.trial_desk import StoredTrialDesk
 from study.config import Study
 from study.protocol.orders import Slot
 

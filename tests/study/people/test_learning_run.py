@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from server.learning_runs import DATASET_FIELDS, LearningOptions, learn
+from server.headless.learning import DATASET_FIELDS, LearningOptions, learn
 from server.policy_files import read_policy_file
 from study.ar.state_names import ROBOT_STATES, STATION_STATES
 from study.errors import InvalidValue
@@ -83,7 +83,7 @@ def test_the_same_seed_gives_the_same_files_in_another_process(expert: str, tmp_
     words = ["learn", "--iterations", "20", "--seed", "77", "--scale", "small", "--json"]
     people = ["--expert", expert, "--worker", "believer", "--out", str(tmp_path / "there")]
     done = subprocess.run(
-        [sys.executable, "-c", "from server.cli import main; main()", *words, *people],
+        [sys.executable, "-c", "from server.cli.main import main; main()", *words, *people],
         cwd=ROOT,
         env=dict(os.environ, PYTHONHASHSEED="7"),
         capture_output=True,

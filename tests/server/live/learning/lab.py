@@ -16,7 +16,8 @@ import numpy as np
 from server.live.hall import Hall
 from server.live.learning import wire
 from server.live.learning.experts import Seat
-from server.live.learning.ports import OpenRun, RunSetup, RunVersion
+from server.live.learning.ports import OpenRun, RunSetup
+from server.live.learning.rows import RunVersion
 from server.live.learning.run import LearningRun
 from server.live.learning.runs import LearningRuns
 from server.live.ports import OpenTrial, TrialBatch, TrialResult, TrialSetup

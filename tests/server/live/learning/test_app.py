@@ -17,7 +17,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from server.app import create_app
-from server.learning_desk import RunRequest
+from server.desks.learning import RunRequest
 from server.live.learning.trainer import PoolTrainer
 from server.live.line import LineProtocol
 from server.settings import Settings

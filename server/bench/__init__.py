@@ -1,0 +1,1 @@
+"""`varil bench`: what this machine carries, measured on the real code."""

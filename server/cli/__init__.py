@@ -1,0 +1,1 @@
+"""The `varil` command: one file a verb, all of them brought together by `main`."""

@@ -1,0 +1,1 @@
+"""What the administrators' live pages may know and do of the running trials, and their sockets."""

@@ -1,0 +1,1 @@
+"""`varil simulate` and `varil learn`: trials without a browser, over all cores or a cluster."""

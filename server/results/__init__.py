@@ -1,0 +1,1 @@
+"""`make results`: from a plan fixed beforehand to docs/results.md."""
