@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The whole suite on two cores: one process drives browsers, which mostly wait, and two take the
-# other tests a file at a time, which mostly compute.
+# other tests, which mostly compute.
 # With arguments it is one ordinary run of pytest with them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -11,7 +11,7 @@ trap 'rm -f "$said"' EXIT
 .venv/bin/pytest -m browser >"$said" 2>&1 &
 browsers=$!
 status=0
-.venv/bin/pytest -m "not browser" -n 2 --dist loadfile || status=$?
+.venv/bin/pytest -m "not browser" -n 2 --dist worksteal || status=$?
 echo "The tests in real browsers, run meanwhile:"
 wait "$browsers" || status=$?
 cat "$said"
