@@ -120,13 +120,18 @@ class AdminDesk:
             await add_audit(session, user_name, "note written", person.code, now)
 
     async def note_trial(self, trial_id: str, tick: int, text: str, user_name: str) -> None:
-        """Keep a note about a moment of a trial. Raises `UnknownTrial` or InvalidValue."""
+        """Keep a note about a moment of a trial; one after its last tick is about that tick.
+
+        Raises `UnknownTrial` or InvalidValue.
+        """
         now, words = self.clock(), check_note(text)
         async with self.database.writing() as session:
             trial = await read_trial(session, trial_id)
             person = await read_participant(session, owner_of(trial))
-            await add_note(session, person.id, Note(now, user_name, words, trial.id, tick))
-            detail = f"{person.code}: {trial.step} at tick {tick}"
+            last = max(trial.ticks, self.watch.last_tick(trial.id))
+            note = Note(now, user_name, words, trial.id, min(tick, last))
+            await add_note(session, person.id, note)
+            detail = f"{person.code}: {trial.step} at tick {note.tick}"
             await add_audit(session, user_name, "note written", detail, now)
 
     async def extend(self, trial_id: str, minutes: int, user_name: str) -> None:
@@ -157,7 +162,7 @@ def owner_of(trial: TrialRecord) -> int:
 
 def check_note(text: str) -> str:
     """A note in tidy lines; raises InvalidValue if it is empty or too long."""
-    words = text.strip()
+    words = text.replace("\x00", "").strip()
     if not words or len(words) > LONGEST_NOTE:
         raise InvalidValue(
             f"a note has 1 to {LONGEST_NOTE} characters, this one has {len(words)}",
