@@ -32,6 +32,8 @@ Who = Callable[[], Awaitable[str]]
 Identify = Callable[[Mapping[str, Any]], Awaitable[str]]
 Begin = Callable[[Mapping[str, Any], SpectatorOutbox, Who], "StaffTalk"]
 Describe = Callable[[str], Awaitable[Mapping[str, Any]]]
+IsOver = Callable[[str], Awaitable[bool]]
+"""Whether a trial has ended, as it is stored; raises NotFound for one that there never was."""
 
 
 class StaffEndpoint:
@@ -118,19 +120,24 @@ class PeopleTalk(StaffTalk):
 class SpectatorTalk(StaffTalk):
     """Shows one running trial as its participant's page is shown it."""
 
-    def __init__(self, outbox: SpectatorOutbox, who: Who, hall: Hall, trial_id: str) -> None:
+    def __init__(
+        self, outbox: SpectatorOutbox, who: Who, hall: Hall, trial_id: str, is_over: IsOver
+    ) -> None:
         super().__init__(outbox, who)
         self._hall = hall
         self._trial_id = trial_id
+        self._is_over = is_over
         self._room: Room | None = None
 
     async def begin(self) -> None:
-        """Join the audience."""
+        """Join the audience; of a trial that has ended there is only the replay."""
         self._room = self._hall.rooms.get(self._trial_id)
-        if self._room is None:
-            self.turn_away(CloseCode.TRY_LATER, "this trial is not running at the moment")
-        else:
+        if self._room is not None:
             self._room.watch(self.outbox)
+        elif await self._is_over(self._trial_id):
+            self.turn_away(CloseCode.NO_TRIAL, "this trial is over")
+        else:
+            self.turn_away(CloseCode.TRY_LATER, "this trial is not running at the moment")
 
     def end(self, code: int) -> None:
         """Leave the audience that was joined, whatever room has this trial now."""
