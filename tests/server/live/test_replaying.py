@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 import json
 import struct
 from collections.abc import AsyncIterator, Callable
@@ -147,7 +148,7 @@ async def test_each_speed_shows_so_many_ticks_a_frame(
     say(talk, type="play")
     await until(lambda: screen.phase == "finished")
     ticks = [0, *screen.ticks]
-    steps = [b - a for a, b in zip(ticks, ticks[1:], strict=False)]
+    steps = [b - a for a, b in itertools.pairwise(ticks)]
     if speed >= 0.5:
         assert set(steps[:15]) == {round(2 * speed)}
     else:
