@@ -7,12 +7,15 @@ import json
 from types import SimpleNamespace
 from typing import Any, cast
 
+import pytest
+
 from server.live.opening import open_room
 from server.live.outbox import SpectatorOutbox
 from server.live.ports import OpenTrial
 from server.live.watching import SpectatorTalk
 from server.live.wire import CloseCode
 from server.problems import SignInNeeded
+from server.store.engine import StorageAway
 from tests.server.live.stage import SETUP, FakeClock, Stage, serve_stations
 
 HELLO = json.dumps({"type": "hello", "version": 1})
@@ -142,6 +145,30 @@ async def test_spectators_come_and_go_unnoticed_by_the_trial() -> None:
     assert stage.room.take_batch() is None
     assert stage.room.is_joined
     assert stage.room.presence.absent_s() == 0.0
+
+
+async def test_an_account_that_is_changed_sees_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Though the page stays open; a storage that does not answer for a while closes nothing."""
+    monkeypatch.setattr("server.live.watching.IDENTIFY_EVERY_S", 0.001)
+    seats, answers = Seats(), [True, True, StorageAway(), True, SignInNeeded()]
+    asked = 0
+
+    async def who() -> str:
+        nonlocal asked
+        answer = answers[min(asked, len(answers) - 1)]
+        asked += 1
+        if isinstance(answer, Exception):
+            raise answer
+        return "maria"
+
+    talk = talk_about({"t": seats})
+    talk.identify = who
+    talk.hear(HELLO)
+    await asyncio.wait_for(asyncio.shield(talk.outbox.closing), 5)
+    assert asked == len(answers)
+    assert cast("Desk", talk.outbox).ended_with == CloseCode.WRONG_ORIGIN
+    talk.leave(1000)
+    assert seats.sinks == []
 
 
 async def test_spectators_may_only_greet_and_ping() -> None:
