@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from datetime import timedelta
 
 from server.dashboard.watch import LiveWatch
+from server.desks.lives import AlreadyErased
 from server.desks.policies import PolicyDesk, needs_confirmation
 from server.desks.trials import Clock, utc_now
 from server.store.dashboard import count_away, count_crowds
@@ -112,10 +113,15 @@ class AdminDesk:
         return Preview(act, after.status, cells[order], then[order], spread(cells), spread(then))
 
     async def note(self, code: str, text: str, user_name: str) -> None:
-        """Keep a note about a participant. Raises `UnknownParticipant` or InvalidValue."""
+        """Keep a note about a participant.
+
+        Raises `UnknownParticipant`, `AlreadyErased` or InvalidValue.
+        """
         now, words = self.clock(), check_note(text)
         async with self.database.writing() as session:
-            person = await find_by_code(session, code)
+            person = await find_by_code(session, code, lock=True)
+            if person.erased_at is not None:
+                raise AlreadyErased(person.code)
             await add_note(session, person.id, Note(now, user_name, words, None, None))
             await add_audit(session, user_name, "note written", person.code, now)
 

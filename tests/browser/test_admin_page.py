@@ -213,7 +213,7 @@ def page_of(server: Server, code: str) -> str:
 def test_the_download_holds_its_manifest_and_equals_the_database(
     admin: Page, practice_server: Server, finished: str, tmp_path: Path
 ) -> None:
-    """By the button of the page: people, trials, answers, events and notes, neither more nor less."""
+    """By the page's button: people, trials, answers, events and notes, neither more nor less."""
     page, server = admin, practice_server
     page.goto(f"{server.url}/admin/data?study=walk")
     with page.expect_download() as download:
