@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from datetime import timedelta
 
 from server.dashboard.watch import LiveWatch
+from server.desks.lives import AlreadyErased
 from server.desks.policies import PolicyDesk, needs_confirmation
 from server.desks.trials import Clock, utc_now
 from server.store.dashboard import count_away, count_crowds
@@ -112,21 +113,31 @@ class AdminDesk:
         return Preview(act, after.status, cells[order], then[order], spread(cells), spread(then))
 
     async def note(self, code: str, text: str, user_name: str) -> None:
-        """Keep a note about a participant. Raises `UnknownParticipant` or InvalidValue."""
+        """Keep a note about a participant.
+
+        Raises `UnknownParticipant`, `AlreadyErased` or InvalidValue.
+        """
         now, words = self.clock(), check_note(text)
         async with self.database.writing() as session:
-            person = await find_by_code(session, code)
+            person = await find_by_code(session, code, lock=True)
+            if person.erased_at is not None:
+                raise AlreadyErased(person.code)
             await add_note(session, person.id, Note(now, user_name, words, None, None))
             await add_audit(session, user_name, "note written", person.code, now)
 
     async def note_trial(self, trial_id: str, tick: int, text: str, user_name: str) -> None:
-        """Keep a note about a moment of a trial. Raises `UnknownTrial` or InvalidValue."""
+        """Keep a note about a moment of a trial; one after its last tick is about that tick.
+
+        Raises `UnknownTrial` or InvalidValue.
+        """
         now, words = self.clock(), check_note(text)
         async with self.database.writing() as session:
             trial = await read_trial(session, trial_id)
             person = await read_participant(session, owner_of(trial))
-            await add_note(session, person.id, Note(now, user_name, words, trial.id, tick))
-            detail = f"{person.code}: {trial.step} at tick {tick}"
+            last = max(trial.ticks, self.watch.last_tick(trial.id))
+            note = Note(now, user_name, words, trial.id, min(tick, last))
+            await add_note(session, person.id, note)
+            detail = f"{person.code}: {trial.step} at tick {note.tick}"
             await add_audit(session, user_name, "note written", detail, now)
 
     async def extend(self, trial_id: str, minutes: int, user_name: str) -> None:
@@ -157,7 +168,7 @@ def owner_of(trial: TrialRecord) -> int:
 
 def check_note(text: str) -> str:
     """A note in tidy lines; raises InvalidValue if it is empty or too long."""
-    words = text.strip()
+    words = text.replace("\x00", "").strip()
     if not words or len(words) > LONGEST_NOTE:
         raise InvalidValue(
             f"a note has 1 to {LONGEST_NOTE} characters, this one has {len(words)}",

@@ -76,18 +76,18 @@ export class LiveTable {
   /** @param {HTMLTableRowElement} element @param {Row} row */
   #fill(element, row) {
     TEXTS.forEach((name, index) => {
-      const cell = element.cells[index + 1];
+      const cell = element.cells[index + 2];
       if (cell && cell.textContent !== row[name]) cell.textContent = row[name];
     });
-    const seen = element.cells[TEXTS.length + 1];
+    const seen = element.cells[TEXTS.length + 2];
     if (seen && seen.querySelector("time")?.dateTime !== row.seen) {
-      seen.replaceChildren(build(this.document, "time", { datetime: row.seen, title: row.seen }, row.seen));
+      seen.replaceChildren(build(this.document, "time", { datetime: row.seen, title: row.seen, "data-near": "" }, row.seen));
       showOwnTimes(seen);
     }
-    const watch = element.cells[TEXTS.length + 2];
+    const watch = element.cells[1];
     const address = row.trial ? `/admin/live/${row.trial}` : "";
     if (watch && (watch.querySelector("a")?.getAttribute("href") ?? "") !== address)
-      watch.replaceChildren(...(address ? [build(this.document, "a", { href: address }, `watch ${row.code}`)] : []));
+      watch.replaceChildren(...(address ? [build(this.document, "a", { href: address, "aria-label": `watch ${row.code}` }, "watch")] : []));
     return element;
   }
 

@@ -3,8 +3,12 @@
 /** @param {ParentNode} parent */
 export function showOwnTimes(parent) {
   const format = new Intl.DateTimeFormat(undefined, { dateStyle: "medium", timeStyle: "medium" });
+  const timeAlone = new Intl.DateTimeFormat(undefined, { timeStyle: "medium" });
   for (const element of parent.querySelectorAll("time[datetime]")) {
-    const at = new Date(/** @type {HTMLTimeElement} */ (element).dateTime);
-    if (!Number.isNaN(at.getTime())) element.textContent = format.format(at);
+    const { dateTime, dataset } = /** @type {HTMLTimeElement} */ (element);
+    const at = new Date(dateTime);
+    // Where lists are of now, today's date would only fill the line.
+    const isToday = "near" in dataset && at.toDateString() === new Date().toDateString();
+    if (!Number.isNaN(at.getTime())) element.textContent = (isToday ? timeAlone : format).format(at);
   }
 }
