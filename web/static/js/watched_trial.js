@@ -15,6 +15,7 @@ import { listenToWatchKeys } from "./watch_keys.js";
 
 const TICK_HZ = 30;
 const SLOW_MS = 300;
+const SAID_MS = 5000;
 const PHASES = /** @type {Record<string, string>} */ ({
   waiting: "Waiting for the participant", countdown: "About to start", running: "Running", paused: "Paused", finished: "Over",
 });
@@ -89,7 +90,7 @@ export class WatchedTrial {
 
   /** @param {Document} document */
   #listen(document) {
-    const say = (/** @type {string} */ text, /** @type {boolean} */ isRefusal) => this.notices.say(text, isRefusal);
+    const say = (/** @type {string} */ text, /** @type {boolean} */ isRefusal) => this.notices.say(text, isRefusal, SAID_MS);
     const note = document.getElementById("note-form");
     if (note instanceof HTMLFormElement) this.moment = new MomentForm(note, () => this.tick, inSeconds, say);
     this.extend = document.getElementById("extend-form");
@@ -194,7 +195,8 @@ export class WatchedTrial {
     if (state === "connecting") return;
     this.notices.showNote("");
     this.line.textContent = state === "lost" ? "Not connected" : "Ended";
-    if (state === "lost") this.notices.showBanner("lost", capital(reason) || "Connection lost", [reason ? "This page tries again by itself." : "What you see is old. Trying again …"]);
+    if (state === "lost" && reason) this.notices.showBanner("waiting", capital(reason), ["This page tries again by itself, and goes on as soon as it can."]);
+    else if (state === "lost") this.notices.showBanner("lost", "Connection lost", ["What you see is old. Trying again …"]);
     else if (state === "reload") this.#showEnd(capital(reason));
     else this.notices.showBanner("refused", capital(reason) || "The server closed the line", ["Load the page again, or sign in again."], [{ text: "Sign in", address: "/login" }]);
   }
