@@ -165,6 +165,25 @@ async def test_the_lead_changes_hands_and_the_others_are_rated() -> None:
     assert {rating.expert for rating in lab.desk.ratings.values()} == {"ben", "anna"}
 
 
+async def test_who_only_looks_on_is_taken_along_into_the_next_trial() -> None:
+    """Of an expert without the lead who has set nothing, the run's state knows nothing."""
+    lab = Lab(short_run(80))
+    await lab.start()
+    page = await lab.join(BEN)
+    for _ in range(400):
+        if len(lab.desk.trials) > 1:
+            break
+        await lab.play(1)
+    await lab.play(8)
+    assert len(lab.desk.trials) == 2
+    assert lab.room.session.up.trial == 1
+    assert lab.room.world.tick > 0
+    assert lab.desk.kinds() == ["expert_joined", "expert_joined"]
+    assert [text["trial"] for text in page.texts if text["type"] == "welcome"] == [0, 1]
+    assert lab.texts("agents", BEN)[-1]["trial"] == 1
+    assert lab.texts("experts", BEN)[-1]["lead"] == ANNA
+
+
 async def test_a_simulated_worker_leaves_a_minute_after_the_last_expert() -> None:
     lab = Lab()
     await lab.start()
