@@ -8,6 +8,7 @@ import pytest
 
 from server.live import wire as live_wire
 from server.live.learning import wire
+from server.live.learning.experts import BETWEEN_TRIALS
 from server.live.learning.ports import RunEnded
 from study.learning.settings import LearningSettings
 from tests.server.live.learning.lab import (
@@ -123,6 +124,30 @@ async def test_a_refused_message_leaves_no_trace(
     assert refused["seq"] == 1
     assert says in refused["message"]
     assert lab.desk.kinds() == before
+    assert lab.texts("agents")[-1]["boxes"][0] == 7
+    assert lab.texts("stored") == []
+
+
+async def test_a_label_from_a_finished_trial_is_refused() -> None:
+    """Between two trials, and when the next has begun; nothing of it is stored anywhere."""
+    lab = Lab(short_run(80))
+    await lab.start()
+    for _ in range(400):
+        if lab.room.result is not None:
+            break
+        await lab.play(1, store=False)
+    late = wire.Edit(1, 0, lab.room.world.tick, ((0, 0, 1),))
+    lab.run.edit(lab.seats[ANNA], late)
+    await lab.play(8)
+    assert lab.room.session.up.trial == 1
+    lab.run.edit(lab.seats[ANNA], replace(late, seq=2))
+    await lab.play(1)
+    between, after = lab.texts("refused")
+    assert between["message"].startswith(BETWEEN_TRIALS)
+    assert "trial 1 is not the present one" in after["message"]
+    assert lab.desk.kinds(0) + lab.desk.kinds(1) == [
+        "expert_joined", "lead_changed", "expert_joined",
+    ]  # fmt: skip
     assert lab.texts("agents")[-1]["boxes"][0] == 7
     assert lab.texts("stored") == []
 
