@@ -9,13 +9,13 @@ from server.dashboard.watch import LiveWatch
 from server.desks.lives import AlreadyErased
 from server.desks.policies import PolicyDesk, needs_confirmation
 from server.desks.trials import Clock, utc_now
+from server.store.audit import add_audit
 from server.store.dashboard import count_away, count_crowds
 from server.store.engine import Database
 from server.store.moves import PAUSED_AFTER_S
 from server.store.participants import find_by_code, give_time, read_participant
 from server.store.stories import LONGEST_NOTE, Note, add_note
 from server.store.trials import TrialRecord, UnknownTrial, read_trial, store_limit
-from server.store.users import add_audit
 from study.config import Study
 from study.errors import InvalidValue
 from study.protocol.alarms import Alarm, VitalSigns, raise_alarms
