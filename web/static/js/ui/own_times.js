@@ -1,9 +1,12 @@
 // Times that the server wrote in UTC, as the viewer's clock shows them; UTC stays in the title.
 
+/** Swedish writes 2026-11-27 19:35:25: short, sorted by eye, and read alike everywhere. */
+const ISO_LIKE = "sv-SE";
+
 /** @param {ParentNode} parent */
 export function showOwnTimes(parent) {
-  const format = new Intl.DateTimeFormat(undefined, { dateStyle: "medium", timeStyle: "medium" });
-  const timeAlone = new Intl.DateTimeFormat(undefined, { timeStyle: "medium" });
+  const format = new Intl.DateTimeFormat(ISO_LIKE, { dateStyle: "short", timeStyle: "medium" });
+  const timeAlone = new Intl.DateTimeFormat(ISO_LIKE, { timeStyle: "medium" });
   for (const element of parent.querySelectorAll("time[datetime]")) {
     const { dateTime, dataset } = /** @type {HTMLTimeElement} */ (element);
     const at = new Date(dateTime);
