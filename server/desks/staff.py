@@ -18,9 +18,9 @@ from server.store.trials import TrialRecord, UnknownTrial, read_trial, store_lim
 from server.store.users import add_audit
 from study.config import Study
 from study.errors import InvalidValue
-from study.protocol.alarms import Alarm, Condition, raise_alarms
+from study.protocol.alarms import Alarm, VitalSigns, raise_alarms
 from study.protocol.balance import Cell, fill_cells, foresee, spread
-from study.protocol.consort import ParticipantFlow, count_flow, drop_out_share
+from study.protocol.consort import ParticipantFlow, count_drop_out, count_flow
 from study.protocol.lifecycle import Act, Life, change
 
 
@@ -70,21 +70,20 @@ class AdminDesk:
         flow = count_flow(crowds, len(study.conditions))
         cells = fill_cells(crowds, study.orders, study.planned_participants)
         active = await self.policies.find_active(study)
-        loop, share = self.watch.judge_loop(), drop_out_share(flow)
-        judged = flow.analysed + sum(stage.left_in_all for stage in flow.stages[3:])
-        condition = Condition(
+        loop, drop_out = self.watch.judge_loop(), count_drop_out(flow)
+        signs = VitalSigns(
             storage_failing_s=loop.storage_failing_s,
             late_p99_ms=loop.late_p99_ms,
             ticks=loop.ticks,
             away=away,
-            drop_out=share,
-            judged=judged,
+            drop_out=drop_out.share,
+            judged=drop_out.judged,
             spread=spread(cells),
             is_live=study.recruiting == "live",
             policy_is_simulated=active is not None and needs_confirmation(active.policy, study),
             time_scale=self.time_scale,
         )
-        return Summary(flow, cells, tuple(raise_alarms(condition)), modes)
+        return Summary(flow, cells, tuple(raise_alarms(signs)), modes)
 
     async def preview(self, study: Study, code: str) -> Preview | None:
         """What excluding this participant, or reinstating one excluded, would do to the cells.

@@ -1,4 +1,4 @@
-"""Participants without a browser: one stands in a real-time trial, one takes part in all."""
+"""Participants without a browser: one who stands in a real-time trial, one who does it all."""
 
 from __future__ import annotations
 

@@ -5,8 +5,8 @@ import { build } from "./dom.js";
 const NAMES = /** @type {Record<string, string>} */ ({ worker: "Worker's eyes", above: "From above", free: "Free" });
 const HINTS = /** @type {Record<string, string>} */ ({
   worker: "As the worker sees it",
-  above: "Drag moves, wheel zooms, a click chooses a row",
-  free: "Drag turns, Shift-drag moves, wheel zooms",
+  above: "Drag moves, wheel zooms, click picks",
+  free: "Drag turns, Shift moves, wheel zooms",
 });
 
 /** Buttons for the cameras. */
