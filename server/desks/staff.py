@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import timedelta
 
-from server.dashboard.watch import LiveWatch
+from server.dashboard.watch import LONGEST_EXTENSION_S, LiveWatch
 from server.desks.lives import AlreadyErased
 from server.desks.policies import PolicyDesk, needs_confirmation
 from server.desks.trials import Clock, utc_now
@@ -142,15 +142,16 @@ class AdminDesk:
     async def extend(self, trial_id: str, minutes: int, user_name: str) -> None:
         """Wait longer for an absent participant: in the database, then in memory.
 
-        The new limit is stored with the trial, so a restarted server keeps it. Raises
-        `UnknownTrial` or `NotRunning`.
+        The new limit is stored with the trial, so a restarted server keeps it, and what two people
+        add at once adds up. Raises `UnknownTrial` or `NotRunning`.
         """
-        now = self.clock()
-        limit_s = self.watch.limit_after(trial_id, minutes * 60.0)
+        now, more_s = self.clock(), min(minutes * 60.0, LONGEST_EXTENSION_S)
+        self.watch.require_running(trial_id)
         async with self.database.writing() as session:
             owner = owner_of(await read_trial(session, trial_id))
             person = await read_participant(session, owner, lock=True)
             trial = await read_trial(session, trial_id, lock=True)
+            limit_s = trial.config["abandon_after_s"] + more_s
             await store_limit(session, trial, limit_s)
             await give_time(session, person.id, now + timedelta(seconds=limit_s))
             detail = f"{person.code}: {trial.step}, {minutes} minutes more"
