@@ -13,7 +13,7 @@ from study.analysis.designs import Design, Untestable, positive_cases
 from study.analysis.mixed import Ratio, compare_positions, fit_log_model
 from study.analysis.order_effects import NestedTest, check_carry_over, check_position
 from study.analysis.report_parts import Gap, Tested, attempt, word_gaps
-from study.analysis.report_team import SUMMARY_FIELDS, SUMMARY_VIEWS, rows_of
+from study.analysis.report_team import SUMMARY_FIELDS, SUMMARY_VIEWS, rows_of, rows_of_all
 from study.analysis.sheets import Section, Sheet, View, make_sheet
 from study.analysis.wording import ALPHA, capitalise, equals, number
 
@@ -27,8 +27,8 @@ def run_order(data: StudyData, designs: Mapping[str, Design]) -> Tested:
     found: list[NestedTest] = []
     findings: list[str] = []
     gaps: list[Gap] = []
-    for measure, cases in designs.items():
-        design = positive_cases(cases) if measure == PRIMARY else cases
+    tested = {**designs, PRIMARY: positive_cases(designs[PRIMARY])}
+    for measure, design in tested.items():
         for check in (check_position, check_carry_over):
             one, missing = _check(measure, design, check)
             gaps += missing
@@ -45,9 +45,9 @@ def run_order(data: StudyData, designs: Mapping[str, Design]) -> Tested:
     if designs[PRIMARY].n:
         blocks.append(_positions(data, designs))
     if found:
-        blocks.append(_tests(data, designs[PRIMARY], found))
-    if ratios := _ratios(designs[PRIMARY]):
-        blocks.append(_ratio_sheet(data, designs[PRIMARY], ratios))
+        blocks.append(_tests(data, tested, found))
+    if ratios := _ratios(tested[PRIMARY]):
+        blocks.append(_ratio_sheet(data, tested[PRIMARY], ratios))
     told = (*findings, *word_gaps(gaps))
     section = Section("order", HEADING, (how,), tuple(blocks), told)
     return Tested(section, tuple(findings), tuple(gaps))
@@ -73,7 +73,7 @@ def _word(one: NestedTest) -> str:
 
 def _ratios(design: Design) -> tuple[Ratio, ...]:
     try:
-        return compare_positions(fit_log_model(positive_cases(design)))
+        return compare_positions(fit_log_model(design))
     except Untestable:
         return ()
 
@@ -98,11 +98,11 @@ def _positions(data: StudyData, designs: Mapping[str, Design]) -> Sheet:
         rows,
         ("measure", "what", "position", *SUMMARY_FIELDS),
         views,
-        rows_of(data, designs[PRIMARY]),
+        rows_of_all(data, designs),
     )
 
 
-def _tests(data: StudyData, design: Design, found: list[NestedTest]) -> Sheet:
+def _tests(data: StudyData, designs: Mapping[str, Design], found: list[NestedTest]) -> Sheet:
     views = (
         View("Measure", "measure", ("measure",)),
         View("Effect", "text", ("what",)),
@@ -116,7 +116,7 @@ def _tests(data: StudyData, design: Design, found: list[NestedTest]) -> Sheet:
     header = tuple(field.name for field in fields(NestedTest))
     rows = [asdict(one) for one in found]
     title = "Position and previous condition"
-    return make_sheet("order_tests", title, rows, header, views, rows_of(data, design))
+    return make_sheet("order_tests", title, rows, header, views, rows_of_all(data, designs))
 
 
 def _ratio_sheet(data: StudyData, design: Design, ratios: tuple[Ratio, ...]) -> Sheet:

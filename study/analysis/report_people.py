@@ -65,7 +65,8 @@ def _statuses(data: StudyData) -> Sheet:
         View("Status", "text", ("status",)),
         View("Participants", "plain", ("participants",)),
     )
-    behind = RowsBehind("participants.csv", data.mode_filter, *[len(data.people)] * 2)
+    everybody = len(data.people)
+    behind = RowsBehind("participants.csv", data.mode_filter, everybody, everybody)
     return make_sheet(
         "statuses", "Participants by status", rows, ("status", "participants"), views, behind
     )
@@ -89,18 +90,16 @@ def _orders(data: StudyData, design: Design) -> Sheet:
         View("Complete", "plain", ("complete",)),
     )
     header = ("order", "shown", "participants", "complete")
-    behind = RowsBehind(
-        "participants.csv",
-        f"{data.mode_filter} and condition_order is not empty",
-        *[sum(bool(person.order) for person in data.people)] * 2,
-    )
+    placed = sum(bool(person.order) for person in data.people)
+    where = f"{data.mode_filter} and condition_order is not empty"
+    behind = RowsBehind("participants.csv", where, placed, placed)
     return make_sheet("orders", "Participants by order", rows, header, views, behind)
 
 
 def _left_out(data: StudyData, design: Design) -> Sheet:
     found = everyone_left_out(data, design)
     rows = [{"participant_code": one.participant, "reason": one.reason} for one in found]
-    views = (View("Participant", "text", ("participant_code",)), View("Why", "text", ("reason",)))
+    views = (View("Participant", "code", ("participant_code",)), View("Why", "text", ("reason",)))
     behind = RowsBehind(
         "participants.csv",
         f"{data.mode_filter}, without complete data",

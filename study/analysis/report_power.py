@@ -9,9 +9,9 @@ import numpy as np
 
 from study.analysis.cases import MEASURES, StudyData
 from study.analysis.descriptives import has_spread
-from study.analysis.designs import Design, Pairs
+from study.analysis.designs import Design, Pairs, positive_cases
 from study.analysis.power import POWER, detectable_dz
-from study.analysis.report_team import rows_of
+from study.analysis.report_team import rows_of_all
 from study.analysis.sheets import Section, Sheet, View, make_sheet
 from study.analysis.wording import ALPHA, Cell, count, number
 
@@ -27,7 +27,8 @@ def describe_power(
     present = designs[PRIMARY].n
     contrasts = max(1, len(pairs.pairs))
     strictest = ALPHA / contrasts
-    spreads = {measure: _spread(design, pairs) for measure, design in designs.items()}
+    used = {**designs, PRIMARY: positive_cases(designs[PRIMARY])}
+    spreads = {measure: _spread(design, pairs) for measure, design in used.items()}
     sizes = sorted({*LADDER, *([planned_n] if planned_n else []), *([present] if present else [])})
     rows = []
     for n in sizes:
@@ -54,7 +55,7 @@ def describe_power(
     )
     unplanned = "No planned number of participants was given (option --planned)."
     sentences = (how,) if planned_n else (how, unplanned)
-    return Section("power", HEADING, sentences, (_sheet(data, designs[PRIMARY], rows),))
+    return Section("power", HEADING, sentences, (_sheet(data, used, rows),))
 
 
 def _which(n: int, present: int, planned_n: int | None) -> str:
@@ -68,8 +69,6 @@ def _spread(design: Design, pairs: Pairs) -> float | None:
     if design.n < 2 or not pairs.pairs:
         return None
     if design.measure == PRIMARY:
-        if np.any(design.values <= 0):
-            return None
         design = replace(design, values=np.log(design.values))
     found = [design.differences(*pair) for pair in pairs.pairs]
     if not any(has_spread(one, design.values) for one in found):
@@ -77,7 +76,7 @@ def _spread(design: Design, pairs: Pairs) -> float | None:
     return float(np.sqrt(np.mean([np.var(one, ddof=1) for one in found])))
 
 
-def _sheet(data: StudyData, design: Design, rows: list[dict[str, Cell]]) -> Sheet:
+def _sheet(data: StudyData, designs: Mapping[str, Design], rows: list[dict[str, Cell]]) -> Sheet:
     views = (
         View("N", "plain", ("n",)),
         View("Which", "text", ("which",)),
@@ -89,4 +88,4 @@ def _sheet(data: StudyData, design: Design, rows: list[dict[str, Cell]]) -> Shee
     )
     header = ("n", "which", "dz", "dz_strictest", *MEASURES)
     title = "Smallest difference found with 80 % power"
-    return make_sheet("detectable", title, rows, header, views, rows_of(data, design))
+    return make_sheet("detectable", title, rows, header, views, rows_of_all(data, designs))

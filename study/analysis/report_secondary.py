@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from functools import partial
 
@@ -11,7 +11,7 @@ from study.analysis.cases import MEASURES, StudyData, label_condition
 from study.analysis.contrasts import PairedComparison, compare_pairs
 from study.analysis.designs import Design, Pairs
 from study.analysis.report_parts import Gap, Tested, attempt, note_plan, word_gaps
-from study.analysis.report_team import rows_of
+from study.analysis.report_team import rows_of_all
 from study.analysis.sheets import Section, Sheet, View, make_sheet
 from study.analysis.wording import capitalise, equals, interval, number, verdict
 
@@ -49,11 +49,12 @@ def run_secondary(data: StudyData, designs: dict[str, Design], pairs: Pairs) -> 
         "then paired t tests with Holm's correction over the planned contrasts of each measure."
     )
     sentences = (how, *note_plan(pairs))
+    tested = {measure: designs[measure] for measure in SECONDARY}
     blocks: list[Sheet] = []
     if anovas:
-        blocks.append(_anova_sheet(data, designs[SECONDARY[0]], anovas))
+        blocks.append(_anova_sheet(data, tested, anovas))
     if compared:
-        blocks.append(_pair_sheet(data, designs[SECONDARY[0]], compared))
+        blocks.append(_pair_sheet(data, tested, compared))
     section = Section(
         "secondary",
         "Secondary analyses: completion times and the slowest robot",
@@ -87,7 +88,7 @@ def _word_pair(one: PairedComparison) -> str:
     )
 
 
-def _anova_sheet(data: StudyData, design: Design, anovas: Sequence[Anova]) -> Sheet:
+def _anova_sheet(data: StudyData, designs: Mapping[str, Design], anovas: Sequence[Anova]) -> Sheet:
     rows = []
     for anova in anovas:
         shape = asdict(anova.sphericity)
@@ -112,11 +113,13 @@ def _anova_sheet(data: StudyData, design: Design, anovas: Sequence[Anova]) -> Sh
         rows,
         _ANOVA_FIELDS,
         views,
-        rows_of(data, design),
+        rows_of_all(data, designs),
     )
 
 
-def _pair_sheet(data: StudyData, design: Design, compared: Sequence[PairedComparison]) -> Sheet:
+def _pair_sheet(
+    data: StudyData, designs: Mapping[str, Design], compared: Sequence[PairedComparison]
+) -> Sheet:
     views = (
         View("Measure", "measure", ("measure",)),
         View("Contrast", "difference", ("first", "second")),
@@ -134,5 +137,5 @@ def _pair_sheet(data: StudyData, design: Design, compared: Sequence[PairedCompar
         [asdict(one) for one in compared],
         _PAIR_FIELDS,
         views,
-        rows_of(data, design),
+        rows_of_all(data, designs),
     )

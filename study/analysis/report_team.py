@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from collections.abc import Mapping
+from dataclasses import asdict, replace
 
 from study.analysis.cases import MEASURES, StudyData, label_condition, team_design
 from study.analysis.descriptives import summarise
@@ -40,6 +41,22 @@ def rows_of(data: StudyData, design: Design) -> RowsBehind:
         f"{', '.join(design.conditions) or 'no condition'}",
         len(design.readings),
         design.n,
+    )
+
+
+def rows_of_all(data: StudyData, designs: Mapping[str, Design]) -> RowsBehind:
+    """The trials behind a table of several measures, by measure where they are not the same."""
+    several = [rows_of(data, design) for design in designs.values()]
+    people = {design.participants for design in designs.values()}
+    if len(people) == 1:
+        return several[0]
+    everybody = set().union(*people)
+    parts = tuple(
+        (MEASURES[measure], one.rows, one.participants)
+        for measure, one in zip(designs, several, strict=True)
+    )
+    return replace(
+        several[0], rows=sum(one.rows for one in several), participants=len(everybody), parts=parts
     )
 
 
@@ -85,7 +102,7 @@ def list_cases(data: StudyData, designs: dict[str, Design]) -> Sheet:
         rows,
         header,
         (),
-        rows_of(data, designs["sum_wait_s"]),
+        rows_of_all(data, designs),
     )
 
 
@@ -123,5 +140,5 @@ def _table(data: StudyData, designs: dict[str, Design]) -> Sheet:
         rows,
         ("measure", "what", "condition", *SUMMARY_FIELDS),
         views,
-        rows_of(data, designs["sum_wait_s"]),
+        rows_of_all(data, designs),
     )

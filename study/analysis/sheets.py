@@ -17,6 +17,7 @@ from study.analysis.wording import NO_VALUE, Cell, chance, count, interval, numb
 
 ViewKind = Literal[
     "text",
+    "code",
     "measure",
     "difference",
     "quotient",
@@ -31,18 +32,28 @@ ViewKind = Literal[
 
 @dataclass(frozen=True)
 class RowsBehind:
-    """Which rows of the export a table or figure was computed from."""
+    """Which rows of the export a table or figure was computed from.
+
+    `parts`: rows and participants by what was measured, where these differ; the totals then count
+    each row once per measure and each participant once.
+    """
 
     file: str
     filter: str
     rows: int
     participants: int
+    parts: tuple[tuple[str, int, int], ...] = ()
 
     @property
     def sentence(self) -> str:
         """`trials.csv where ...: 72 rows of 24 participants`."""
-        rows, people = count(self.rows, "row"), count(self.participants, "participant")
-        return f"{self.file} where {self.filter}: {rows} of {people}"
+        parts = self.parts or (("", self.rows, self.participants),)
+        told = (
+            f"{count(rows, 'row')} of {count(people, 'participant')}"
+            + (f" for the {what}" if what else "")
+            for what, rows, people in parts
+        )
+        return f"{self.file} where {self.filter}: {'; '.join(told)}"
 
 
 @dataclass(frozen=True)
@@ -56,7 +67,7 @@ class View:
     @property
     def is_figure(self) -> bool:
         """Whether it holds figures, which stand right-aligned."""
-        return self.kind not in {"text", "measure", "difference", "quotient"}
+        return self.kind not in {"text", "code", "measure", "difference", "quotient"}
 
 
 @dataclass(frozen=True)
@@ -140,6 +151,7 @@ def _shortest(value: Cell) -> str:
 _SHOW: Mapping[ViewKind, Callable[[Sequence[Cell]], str]] = MappingProxyType(
     {
         "text": _text,
+        "code": _text,
         "measure": lambda values: MEASURES.get(str(values[0]), str(values[0])),
         "difference": lambda values: " − ".join(label_condition(str(value)) for value in values),
         "quotient": lambda values: " / ".join(label_condition(str(value)) for value in values),

@@ -24,6 +24,7 @@ from server.settings import Settings
 from server.store.engine import Database
 from server.store.schema import migrate
 from study.config import Study
+from tests.server.analysis.recomputed import check_analysis
 
 PASSWORD = "rehearse-me-now"
 
@@ -46,8 +47,8 @@ async def url(settings: Settings, study: Study) -> AsyncIterator[str]:
 
 
 async def test_six_take_part_up_to_the_report(url: str, tmp_path: Path) -> None:
-    """One drops out, one withdraws, some reload and answer late: every check is green, and the
-    zip says the same to those who know nothing of us."""
+    """One drops out, one withdraws, some reload and answer late: every check is green, the zip
+    says the same to those who know nothing of us, and the report's numbers follow from it."""
     options = RehearsalOptions(url, 6, 3, tmp_path / "out", dropout=0.17, withdraw=0.17)
     site = Site(url)
     with pytest.raises(SiteError):
@@ -74,6 +75,8 @@ async def test_six_take_part_up_to_the_report(url: str, tmp_path: Path) -> None:
     report = frictionless.validate(str(tmp_path / "bundle" / "datapackage.json"))
     assert report.valid, report.flatten(["type", "message"])
     assert (options.out / "report" / "report.html").stat().st_size > 10_000
+    facts = check_analysis(options.out / "rehearsal.zip", options.out / "report")
+    assert set(facts.cases("sum_wait_s")["participant_code"]) == done
 
 
 def test_roles_follow_the_seed_and_the_shares() -> None:
