@@ -10,6 +10,9 @@ from server.live import wire as live_wire
 from server.live.learning import wire
 from server.live.learning.experts import BETWEEN_TRIALS
 from server.live.learning.ports import RunEnded
+from server.live.learning.room import LearningRoom
+from server.live.wire import CloseCode
+from study.errors import JournalError
 from study.learning.settings import LearningSettings
 from tests.server.live.learning.lab import (
     ANNA,
@@ -207,6 +210,30 @@ async def test_who_only_looks_on_is_taken_along_into_the_next_trial() -> None:
     assert [text["trial"] for text in page.texts if text["type"] == "welcome"] == [0, 1]
     assert lab.texts("agents", BEN)[-1]["trial"] == 1
     assert lab.texts("experts", BEN)[-1]["lead"] == ANNA
+
+
+async def test_a_fault_between_two_trials_is_told_and_the_run_is_opened_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It is not tried again and again with nobody hearing of it, and no trial is begun twice."""
+    lab = Lab(short_run(80))
+    page = await lab.start()
+
+    def fail(room: LearningRoom) -> None:
+        raise JournalError("a part is missing")
+
+    monkeypatch.setattr(lab.run.experts, "show", fail)
+    for _ in range(400):
+        if page.closed:
+            break
+        await lab.play(1)
+    assert page.closed == (CloseCode.TRY_LATER, "this run had a fault; it is opened again")
+    assert lab.runs.held == {}
+    again = await lab.join()
+    await lab.play(8)
+    assert again.closed is None
+    assert len(lab.desk.trials) == 2
+    assert (lab.room.session.up.trial, lab.room.world.tick > 0) == (1, True)
 
 
 async def test_a_simulated_worker_leaves_a_minute_after_the_last_expert() -> None:
