@@ -48,7 +48,9 @@ fix: test-needs ## Format, and mend what the linter can mend
 	@.venv/bin/ruff format --quiet .
 	@.venv/bin/ruff check --quiet --fix .
 
-test: check ## Everything the suite needs, then the whole suite
+test: test-needs ## Everything the suite needs, then the whole suite
+	@.venv/bin/python -m tests.warm_kernels & warming=$$!; \
+	  $(MAKE) --no-print-directory check && wait $$warming
 	@$(NODE) --test --test-reporter=dot tests/js/*.test.js
 	@bash tests/run.sh $(PYTEST)
 

@@ -4,11 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-import pwd
-import shutil
-import socket
-import subprocess
-import tempfile
 import uuid
 from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
@@ -26,6 +21,7 @@ from server.store.engine import Database
 from server.store.schema import migrate
 from study.config import Study
 from study.files.demo import paper_study
+from tests.postgres import PostgresServer, find_programs
 
 # Compiled code is kept between runs and shared by the whole suite, its subprocesses included.
 KERNELS = Path(__file__).parent.parent / "var" / "kernels"
@@ -67,24 +63,14 @@ def client(app: FastAPI) -> Iterator[TestClient]:
 @pytest.fixture(scope="session")
 def postgres_server() -> Iterator[str]:
     """Address of a real PostgreSQL server of our own, without a database name."""
-    programs = _postgres_programs()
-    folder = Path(tempfile.mkdtemp(prefix="varil-postgres-"))
-    account = "postgres" if os.geteuid() == 0 else None
-    if account:
-        os.chown(folder, pwd.getpwnam(account).pw_uid, -1)
-    port = _free_port()
-    data = folder / "data"
-    try:
-        _run([programs / "initdb", "-D", data, "-U", "varil", "-A", "trust", "-N"], account)
-        options = f"-p {port} -k {folder} -c listen_addresses=127.0.0.1 -c fsync=off"
-        control = [programs / "pg_ctl", "-D", data, "-w", "-l", folder / "log"]
-        _run([*control, "-o", options, "start"], account)
-        try:
-            yield f"postgresql://varil@127.0.0.1:{port}"
-        finally:
-            _run([*control, "-m", "immediate", "stop"], account)
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
+    programs = find_programs()
+    if programs is None:
+        message = "PostgreSQL's server programs are missing: apt-get install postgresql"
+        if os.environ.get("CI", "").lower() in ("1", "true"):
+            pytest.fail(message)
+        pytest.skip(message)
+    with PostgresServer(programs) as server:
+        yield server.url
 
 
 @pytest.fixture
@@ -126,31 +112,3 @@ async def _create_database(server: str, name: str) -> None:
     async with engine.connect() as connection:
         await connection.execute(text(f"CREATE DATABASE {name}"))
     await engine.dispose()
-
-
-def _postgres_programs() -> Path:
-    found = sorted(Path("/usr/lib/postgresql").glob("*/bin/initdb"))
-    on_path = shutil.which("initdb")
-    if found or on_path:
-        return (found[-1] if found else Path(str(on_path))).parent
-    message = "PostgreSQL's server programs are missing: apt-get install postgresql"
-    if os.environ.get("CI", "").lower() in ("1", "true"):
-        pytest.fail(message)
-    pytest.skip(message)
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
-def _run(words: list[str | Path], account: str | None) -> None:
-    """Run one of PostgreSQL's programs; it refuses to run as root, hence the account.
-
-    Output goes to a file: the server inherits it, and a pipe would be held open for ever.
-    """
-    with tempfile.TemporaryFile("w+") as output:
-        done = subprocess.run(words, user=account, cwd="/", stdout=output, stderr=output)
-        output.seek(0)
-        assert done.returncode == 0, f"{words[0]} failed:\n{output.read()}"

@@ -54,6 +54,7 @@ async def export_study(
     study = services.participants.find_study(study_id)
     async with services.database.writing() as session:
         detail = f"{study.study_id}, {mode or 'all modes'}"
+        detail += ", with telemetry" if telemetry else ""
         await add_audit(session, user.name, "export downloaded", detail, utc_now())
     pieces = await begin_export(
         services.settings, ExportOptions(study.study_id, mode, telemetry=telemetry)

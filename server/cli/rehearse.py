@@ -30,7 +30,9 @@ def rehearse(
     out: Annotated[Path, typer.Option(help="Folder for rehearsal.zip and the report.")] = Path(
         "rehearsal"
     ),
-    study: Annotated[str, typer.Option(help="The study's id, as in /s/<id>.")] = "demo",
+    study: Annotated[
+        str, typer.Option(help="The study's id, as in /s/<id>; default the server's only one.")
+    ] = "",
     user: Annotated[str, typer.Option(help="The administrator's account.")] = "admin",
     password_file: Annotated[
         Path | None, typer.Option(help=f"File with the password; default ${PASSWORD}.")
@@ -51,12 +53,13 @@ def rehearse(
 
     Ends with a launch checklist; the exit code is 1 unless all of it is green.
     """
+    password = _read_password(password_file)  # before the slow imports: it may be missing
+
     from server.rehearsal.run import RehearsalOptions
     from server.rehearsal.run import rehearse as run_rehearsal
     from server.rehearsal.site import Site
 
     options = RehearsalOptions(url, participants, seed, out, study, dropout, withdraw, reload, late)
-    password = _read_password(password_file)
 
     async def run() -> Outcome:
         site = Site(url)
@@ -78,7 +81,8 @@ def _read_password(file: Path | None) -> str:
     if PASSWORD not in os.environ:
         raise InvalidValue(
             "no administrator's password was given",
-            next_step=f"Set {PASSWORD}, or name a file with --password-file.",
+            next_step=f"Set {PASSWORD} to the one that `varil serve` printed at its first start, "
+            "or name a file that holds it with --password-file.",
         )
     return os.environ[PASSWORD]
 

@@ -75,9 +75,10 @@ class LiveWatch:
             storage_failing_s=None if failing is None else hall.clock.now_s() - failing,
         )
 
-    def tick_of(self, trial_id: str) -> int:
-        """The trial's present tick; raises `NotRunning`."""
-        return self._room(trial_id).world.tick
+    def last_tick(self, trial_id: str) -> int:
+        """The tick of a trial in memory; 0 for any other."""
+        room = self.hall.rooms.get(trial_id)
+        return 0 if room is None else int(room.world.tick)
 
     def limit_after(self, trial_id: str, more_s: float) -> float:
         """The limit on absence, in seconds, once so much time is added; raises `NotRunning`."""

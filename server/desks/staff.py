@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from datetime import timedelta
 
 from server.dashboard.watch import LiveWatch
+from server.desks.lives import AlreadyErased
 from server.desks.policies import PolicyDesk, needs_confirmation
 from server.desks.trials import Clock, utc_now
 from server.store.dashboard import count_away, count_crowds
@@ -17,9 +18,9 @@ from server.store.trials import TrialRecord, UnknownTrial, read_trial, store_lim
 from server.store.users import add_audit
 from study.config import Study
 from study.errors import InvalidValue
-from study.protocol.alarms import Alarm, Condition, raise_alarms
+from study.protocol.alarms import Alarm, VitalSigns, raise_alarms
 from study.protocol.balance import Cell, fill_cells, foresee, spread
-from study.protocol.consort import ParticipantFlow, count_flow, drop_out_share
+from study.protocol.consort import ParticipantFlow, count_drop_out, count_flow
 from study.protocol.lifecycle import Act, Life, change
 
 
@@ -69,21 +70,20 @@ class AdminDesk:
         flow = count_flow(crowds, len(study.conditions))
         cells = fill_cells(crowds, study.orders, study.planned_participants)
         active = await self.policies.find_active(study)
-        loop, share = self.watch.judge_loop(), drop_out_share(flow)
-        judged = flow.analysed + sum(stage.left_in_all for stage in flow.stages[3:])
-        condition = Condition(
+        loop, drop_out = self.watch.judge_loop(), count_drop_out(flow)
+        signs = VitalSigns(
             storage_failing_s=loop.storage_failing_s,
             late_p99_ms=loop.late_p99_ms,
             ticks=loop.ticks,
             away=away,
-            drop_out=share,
-            judged=judged,
+            drop_out=drop_out.share,
+            judged=drop_out.judged,
             spread=spread(cells),
             is_live=study.recruiting == "live",
             policy_is_simulated=active is not None and needs_confirmation(active.policy, study),
             time_scale=self.time_scale,
         )
-        return Summary(flow, cells, tuple(raise_alarms(condition)), modes)
+        return Summary(flow, cells, tuple(raise_alarms(signs)), modes)
 
     async def preview(self, study: Study, code: str) -> Preview | None:
         """What excluding this participant, or reinstating one excluded, would do to the cells.
@@ -112,21 +112,31 @@ class AdminDesk:
         return Preview(act, after.status, cells[order], then[order], spread(cells), spread(then))
 
     async def note(self, code: str, text: str, user_name: str) -> None:
-        """Keep a note about a participant. Raises `UnknownParticipant` or InvalidValue."""
+        """Keep a note about a participant.
+
+        Raises `UnknownParticipant`, `AlreadyErased` or InvalidValue.
+        """
         now, words = self.clock(), check_note(text)
         async with self.database.writing() as session:
-            person = await find_by_code(session, code)
+            person = await find_by_code(session, code, lock=True)
+            if person.erased_at is not None:
+                raise AlreadyErased(person.code)
             await add_note(session, person.id, Note(now, user_name, words, None, None))
             await add_audit(session, user_name, "note written", person.code, now)
 
     async def note_trial(self, trial_id: str, tick: int, text: str, user_name: str) -> None:
-        """Keep a note about a moment of a trial. Raises `UnknownTrial` or InvalidValue."""
+        """Keep a note about a moment of a trial; one after its last tick is about that tick.
+
+        Raises `UnknownTrial` or InvalidValue.
+        """
         now, words = self.clock(), check_note(text)
         async with self.database.writing() as session:
             trial = await read_trial(session, trial_id)
             person = await read_participant(session, owner_of(trial))
-            await add_note(session, person.id, Note(now, user_name, words, trial.id, tick))
-            detail = f"{person.code}: {trial.step} at tick {tick}"
+            last = max(trial.ticks, self.watch.last_tick(trial.id))
+            note = Note(now, user_name, words, trial.id, min(tick, last))
+            await add_note(session, person.id, note)
+            detail = f"{person.code}: {trial.step} at tick {note.tick}"
             await add_audit(session, user_name, "note written", detail, now)
 
     async def extend(self, trial_id: str, minutes: int, user_name: str) -> None:
@@ -157,7 +167,7 @@ def owner_of(trial: TrialRecord) -> int:
 
 def check_note(text: str) -> str:
     """A note in tidy lines; raises InvalidValue if it is empty or too long."""
-    words = text.strip()
+    words = text.replace("\x00", "").strip()
     if not words or len(words) > LONGEST_NOTE:
         raise InvalidValue(
             f"a note has 1 to {LONGEST_NOTE} characters, this one has {len(words)}",

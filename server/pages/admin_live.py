@@ -40,7 +40,6 @@ async def watch_trial(
         "code": code,
         "is_replay": False,
         "minutes": MINUTES,
-        "state": desk.watch.describe(trial),
     }
     return services.renderer.page("admin-watch.html", values)
 
@@ -49,7 +48,7 @@ async def watch_trial(
 async def replay_trial(trial: str, services: ServicesDep, user: AdminDep) -> Response:
     """A stored trial, re-simulated from its journal."""
     record, code = await _find(services, trial)
-    values = {"user": user, "trial": record, "code": code, "is_replay": True, "state": None}
+    values = {"user": user, "trial": record, "code": code, "is_replay": True}
     return services.renderer.page("admin-watch.html", values | {"minutes": ()})
 
 

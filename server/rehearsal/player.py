@@ -18,7 +18,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import WebSocketException
 
 from server.live import wire
-from server.rehearsal.sight import Hall, read_display, read_snapshot
+from server.rehearsal.sight import Hall, Sight, read_display, read_snapshot
 from server.rehearsal.site import Site, SiteError
 from server.rehearsal.walker import Frame, Walker
 
@@ -37,19 +37,24 @@ class Ended:
 
 
 class Player:
-    """Plays the trial of one participant. `leave_after` ticks the socket is dropped, if given."""
+    """Plays the trial of one participant. `leave_after` ticks the socket is dropped, if given.
+
+    `began_at`: the tick at which the server went on with the trial; `sight`: what came last.
+    """
 
     def __init__(self, site: Site, path: str, draws: random.Random, halls: Halls) -> None:
         self._url = site.socket_url + path
         self._draws = draws
         self._halls = halls
         self._sent_at_s = 0.0
+        self.began_at: int | None = None
+        self.sight: Sight | None = None
 
-    async def play(self, leave_after: int | None = None, *, from_tick: int = 0) -> Ended:
+    async def play(self, leave_after: int | None = None, *, from_tick: int | None = 0) -> Ended:
         """Play to the end, or leave after so many ticks.
 
         Raises `SiteError` for whatever is not as it should be: a close, silence, another tick
-        than the one that was left.
+        than the one that was left (with None any tick will do).
         """
         try:
             async with connect(
@@ -60,12 +65,13 @@ class Player:
             raise SiteError(f"the live socket failed ({str(error) or 'nothing came'})") from error
 
     async def _play(
-        self, socket: ClientConnection, leave_after: int | None, from_tick: int
+        self, socket: ClientConnection, leave_after: int | None, from_tick: int | None
     ) -> Ended:
         await _tell(socket, {"type": "hello", "version": wire.PROTOCOL_VERSION})
         welcome = await self._hear_welcome(socket)
-        if welcome["tick"] != from_tick:
-            raise SiteError(f"the trial went on at tick {welcome['tick']}, not at {from_tick}")
+        self.began_at = welcome["tick"]
+        if from_tick not in (None, self.began_at):
+            raise SiteError(f"the trial went on at tick {self.began_at}, not at {from_tick}")
         walker = Walker(self._halls.find(welcome["hall"]), self._draws)
         await _tell(socket, {"type": "attention", "visible": True, "focused": True, "locked": True})
         await _tell(socket, {"type": "ready"})
@@ -79,13 +85,14 @@ class Player:
         welcome: Mapping[str, Any],
         leave_after: int | None,
     ) -> Ended:
-        seq, is_running, sight = welcome["acknowledged_seq"], False, None
+        seq, is_running = welcome["acknowledged_seq"], False
         while True:
             frame = await asyncio.wait_for(socket.recv(), ANSWER_WITHIN_S)
             if isinstance(frame, str):
                 message = _read(frame)
                 if message["type"] == "finished":
-                    return Ended(sight.tick if sight else welcome["tick"], message["next"])
+                    last = self.sight.tick if self.sight else welcome["tick"]
+                    return Ended(last, message["next"])
                 if message["type"] == "phase":
                     is_running = message["phase"] == "running"
                 is_turn = is_running and message["type"] == "phase"
@@ -94,12 +101,12 @@ class Player:
                 if frame[0] == wire.DISPLAY:
                     walker.shown_robots, walker.shown_stations = read_display(frame)
                 elif frame[0] == wire.SNAPSHOT:
-                    sight = read_snapshot(frame)
-            if sight is None or not is_turn:
+                    self.sight = read_snapshot(frame)
+            if self.sight is None or not is_turn:
                 continue
-            if leave_after is not None and sight.tick >= leave_after:
-                return Ended(sight.tick, "")
-            seq = await self._answer(socket, seq, walker.look(sight))
+            if leave_after is not None and self.sight.tick >= leave_after:
+                return Ended(self.sight.tick, "")
+            seq = await self._answer(socket, seq, walker.look(self.sight))
 
     async def _hear_welcome(self, socket: ClientConnection) -> Mapping[str, Any]:
         while True:

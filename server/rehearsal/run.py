@@ -10,7 +10,7 @@ import asyncio
 import random
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -27,13 +27,16 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True)
 class RehearsalOptions:
-    """What was asked for. The shares are of all participants; those who leave do so once."""
+    """What was asked for. The shares are of all participants; those who leave do so once.
+
+    `study_id` is empty for the only study of the server.
+    """
 
     url: str
     participants: int
     seed: int
     out: Path
-    study_id: str = "demo"
+    study_id: str = ""
     dropout: float = 0.1
     withdraw: float = 0.05
     reload: float = 0.2
@@ -98,6 +101,7 @@ async def rehearse(options: RehearsalOptions, site: Site, tell: Tell) -> Outcome
     Raises StudyError if the server cannot be used at all; what goes wrong later is in the outcome.
     """
     began_s = time.perf_counter()
+    options = replace(options, study_id=await _find_study(site, options.study_id))
     study = await site.read_json(f"/api/v1/studies/{options.study_id}")
     await asyncio.to_thread(options.out.mkdir, parents=True, exist_ok=True)
     stories = await _take_part(options, site, tell)
@@ -113,6 +117,17 @@ async def rehearse(options: RehearsalOptions, site: Site, tell: Tell) -> Outcome
     evidence = Evidence(study, stories, tuple(problems), file, report)
     checks = await asyncio.to_thread(check_rehearsal, evidence)
     return Outcome(stories, checks, time.perf_counter() - began_s, problems)
+
+
+async def _find_study(site: Site, wanted: str) -> str:
+    """The study to rehearse; raises InvalidValue naming those there are if it is not clear."""
+    known = [str(study["study_id"]) for study in await site.read_json("/api/v1/studies")]
+    if wanted in known or (not wanted and len(known) == 1):
+        return wanted or known[0]
+    raise InvalidValue(
+        f"{site.url} has no study “{wanted[:40]}”" if wanted else f"{site.url} has several studies",
+        next_step=f"Name one with --study: {', '.join(known) or 'there is none yet'}.",
+    )
 
 
 async def _take_part(options: RehearsalOptions, site: Site, tell: Tell) -> list[Story]:

@@ -9,16 +9,18 @@ LATE_TICK_MS = 10.0
 HIGH_DROP_OUT = 0.2
 FEWEST_TO_JUDGE = 5
 WIDEST_SPREAD = 2
+"""An alarm is raised above these figures, not at them; a share is judged from the fewest on."""
 Level = Literal["problem", "warning"]
 
 
 @dataclass(frozen=True)
-class Condition:
-    """What is known of a running study, of one mode.
+class VitalSigns:
+    """The figures of a running study, of one mode, by which it is judged.
 
-    `late_p99_ms`: lateness that 99 % of the server's ticks stayed below; `away`: participants under
-    way of whom nothing was heard for five minutes; `drop_out`: share of those past the practice who
-    left; `judged`: how many that share rests on; `spread`: fullest order less emptiest.
+    `storage_failing_s`: since when nothing could be stored, None if all is well; `late_p99_ms`:
+    lateness that 99 % of the server's ticks stayed below; `away`: participants under way of whom
+    nothing was heard for five minutes; `drop_out`: share of those past the practice who left;
+    `judged`: how many that share rests on; `spread`: fullest order less emptiest.
     """
 
     storage_failing_s: float | None = None
@@ -42,7 +44,7 @@ class Alarm:
     advice: str
 
 
-def raise_alarms(now: Condition) -> list[Alarm]:
+def raise_alarms(now: VitalSigns) -> list[Alarm]:
     """All alarms, the worst first."""
     return [
         alarm
@@ -59,7 +61,7 @@ def raise_alarms(now: Condition) -> list[Alarm]:
     ]
 
 
-def _storage(now: Condition) -> Alarm | None:
+def _storage(now: VitalSigns) -> Alarm | None:
     if now.storage_failing_s is None:
         return None
     return Alarm(
@@ -70,7 +72,7 @@ def _storage(now: Condition) -> Alarm | None:
     )
 
 
-def _policy(now: Condition) -> Alarm | None:
+def _policy(now: VitalSigns) -> Alarm | None:
     if not (now.is_live and now.policy_is_simulated):
         return None
     return Alarm(
@@ -80,7 +82,7 @@ def _policy(now: Condition) -> Alarm | None:
     )
 
 
-def _lateness(now: Condition) -> Alarm | None:
+def _lateness(now: VitalSigns) -> Alarm | None:
     if not now.ticks or now.late_p99_ms <= LATE_TICK_MS:
         return None
     return Alarm(
@@ -90,17 +92,17 @@ def _lateness(now: Condition) -> Alarm | None:
     )
 
 
-def _drop_out(now: Condition) -> Alarm | None:
+def _drop_out(now: VitalSigns) -> Alarm | None:
     if now.drop_out is None or now.judged < FEWEST_TO_JUDGE or now.drop_out <= HIGH_DROP_OUT:
         return None
     return Alarm(
         "warning",
-        f"{now.drop_out:.0%} of those who passed the practice left before the end",
+        f"{100 * now.drop_out:.0f} % of those who passed the practice left before the end",
         "Look at where they left in the flow, and at their histories for the reasons.",
     )
 
 
-def _away(now: Condition) -> Alarm | None:
+def _away(now: VitalSigns) -> Alarm | None:
     if not now.away:
         return None
     who = "1 participant was" if now.away == 1 else f"{now.away} participants were"
@@ -111,7 +113,7 @@ def _away(now: Condition) -> Alarm | None:
     )
 
 
-def _balance(now: Condition) -> Alarm | None:
+def _balance(now: VitalSigns) -> Alarm | None:
     if now.spread <= WIDEST_SPREAD:
         return None
     return Alarm(
@@ -121,7 +123,7 @@ def _balance(now: Condition) -> Alarm | None:
     )
 
 
-def _time_scale(now: Condition) -> Alarm | None:
+def _time_scale(now: VitalSigns) -> Alarm | None:
     if now.time_scale == 1.0:
         return None
     return Alarm(

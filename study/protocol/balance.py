@@ -35,7 +35,10 @@ class Cell:
 def fill_cells(
     crowds: Iterable[Crowd], orders: Sequence[Sequence[str]], planned: int | None
 ) -> tuple[Cell, ...]:
-    """The cells of a study; `planned` participants are spread over the orders, rounded up."""
+    """The cells of a study; `planned` participants are spread over the orders, rounded up.
+
+    Who has no order yet, or one that the present version of the study lacks, is in no cell.
+    """
     completed, under_way = [0] * len(orders), [0] * len(orders)
     for crowd in crowds:
         if crowd.order_index is None or crowd.order_index >= len(orders):
@@ -59,7 +62,7 @@ def spread(cells: Iterable[Cell]) -> int:
 def foresee(
     cells: Sequence[Cell], order_index: int, *, completed: int, under_way: int
 ) -> tuple[Cell, ...]:
-    """The cells after one of them gained or lost so many."""
+    """The cells after one of them gained (or, below 0, lost) so many; none falls below 0."""
     return tuple(
         replace(
             cell,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,7 +10,8 @@ from study.config import Study
 from study.protocol.orders import count_successions
 
 State = Literal["done", "problem", "open"]
-_PLACEHOLDERS = ("TODO", "XXX", "example.org", "example.com", "Lorem ipsum")
+_PLACEHOLDER = re.compile(r"\b(TODO|XXX|example\.org|example\.com|Lorem ipsum)\b")
+"""What stands where somebody meant to write; whole words, since codes are drawn of letters."""
 
 
 @dataclass(frozen=True)
@@ -56,12 +58,12 @@ def _consent(study: Study) -> Point:
     asked = sum(item.required for item in study.consent.items)
     if not asked:
         return Point("Consent", "problem", "the consent page asks for nothing that must be agreed")
-    return Point("Consent", "done", f"{asked} statements must be agreed to")
+    what = "1 statement" if asked == 1 else f"{asked} statements"
+    return Point("Consent", "done", f"{what} must be agreed to")
 
 
 def _texts(study: Study) -> Point:
-    found = [mark for mark in _PLACEHOLDERS if mark in study.canonical_json]
-    if found:
+    if found := _PLACEHOLDER.search(study.canonical_json.replace("\\n", "\n")):
         return Point("Texts", "problem", f"they still hold “{found[0]}”: write your own there")
     reached = f"who has questions is sent to {study.texts.contact}"
     return Point("Texts", "open", f"read every page below as a participant would; {reached}")

@@ -23,13 +23,17 @@ STAGES = (
 )
 """Name and heading of each stage; whoever reaches one has reached all before it."""
 LEFT: tuple[Status, ...] = ("withdrawn", "screened-out", "timed-out", "excluded")
+"""The statuses of those who left, in the order in which a stage names them."""
 _REACHED = {"consent": 0, "browser-check": 1, "demographics": 2, "instructions": 2, "practice": 2}
 _IN_TRIALS, _PLAYED, _COMPLETED = 3, 4, 5
 
 
 @dataclass(frozen=True)
 class Crowd:
-    """So many participants of one mode who stand alike."""
+    """So many participants of one mode who stand alike.
+
+    `before`: the status before an exclusion; `step`: where they are or were when they left.
+    """
 
     mode: str
     status: Status
@@ -46,7 +50,11 @@ class Crowd:
 
 @dataclass(frozen=True)
 class Stage:
-    """One box of the flow: who reached it, who is there now, and who left from there and how."""
+    """One box of the flow: who reached it, who is there now, and who left from there and how.
+
+    Who reached a stage is present, left from it, or reached the next one; at the last stage, the
+    rest is what counts in the analysis.
+    """
 
     name: str
     heading: str
@@ -71,6 +79,19 @@ class ParticipantFlow:
     def joined(self) -> int:
         """Everybody."""
         return self.stages[0].reached
+
+
+@dataclass(frozen=True)
+class DropOut:
+    """So many left before the end, of so many who can be judged."""
+
+    gone: int
+    judged: int
+
+    @property
+    def share(self) -> float | None:
+        """The share that left; None if there is nobody to judge by."""
+        return self.gone / self.judged if self.judged else None
 
 
 def count_flow(crowds: Iterable[Crowd], trials: int) -> ParticipantFlow:
@@ -108,16 +129,19 @@ def stage_of(step: str, trials: int) -> int:
     return _IN_TRIALS
 
 
-def drop_out_share(flow: ParticipantFlow) -> float | None:
-    """Of those who passed the practice and are no longer under way, the share that left before the
-    end; None if there is nobody to judge by.
+def count_drop_out(flow: ParticipantFlow) -> DropOut:
+    """Who left between the practice and the end, of those past the practice and not under way.
 
-    Exclusions are the experimenter's doing and count neither way.
+    Exclusions are the experimenter's doing and count neither way; who withdrew after completing
+    has reached the end.
     """
-    at_risk = flow.stages[_IN_TRIALS : _COMPLETED + 1]
-    gone = sum(n for stage in at_risk for how, n in stage.left if how != "excluded")
-    over = gone + flow.analysed
-    return gone / over if over else None
+    gone = sum(_left_by_themselves(stage) for stage in flow.stages[_IN_TRIALS:_COMPLETED])
+    finished = flow.analysed + _left_by_themselves(flow.stages[_COMPLETED])
+    return DropOut(gone, gone + finished)
+
+
+def _left_by_themselves(stage: Stage) -> int:
+    return sum(number for how, number in stage.left if how != "excluded")
 
 
 def _in_order(counts: Counter[str]) -> list[tuple[str, int]]:
