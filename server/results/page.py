@@ -87,8 +87,8 @@ def _terms(found: Findings, size: Size) -> str:
     after = ", ".join(str(point) for point in points(size))
     return (
         f"P1 to {last} are the policies after {after} iterations, so P1 shows everything and "
-        f"{last} is what was learned. With boxes that `follow`, each of the expert's checkboxes takes the "
-        "policy's new proposals and the expert corrects; with `independent` ones it keeps what the "
+        f"{last} is what was learned. With boxes that `follow`, each of the expert's checkboxes "
+        "takes the policy's new proposals and the expert corrects; with `independent` ones it keeps what the "
         "expert set last. *Waiting* is the time that all robots of a trial stood at a station, "
         "added up."
     )
