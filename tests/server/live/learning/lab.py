@@ -252,3 +252,8 @@ async def settle() -> None:
 def for_person(**changes: Any) -> MemoryLearningDesk:
     """A desk whose run has a person as its worker."""
     return MemoryLearningDesk(replace(SETUP, worker="person", **changes))
+
+
+def short_run(iterations: int) -> MemoryLearningDesk:
+    """A desk whose run has so many iterations."""
+    return MemoryLearningDesk(replace(SETUP, settings=replace(SETTINGS, iterations=iterations)))
