@@ -23,6 +23,9 @@ def export(
     panel_ids: Annotated[
         bool, typer.Option(help="Also what the recruitment panel calls each person.")
     ] = False,
+    notes: Annotated[
+        bool, typer.Option(help="Also what staff noted about people and moments of trials.")
+    ] = False,
     database_url: DatabaseUrl = None,
     as_json: AsJson = False,
 ) -> None:
@@ -31,7 +34,7 @@ def export(
 
     settings = read_settings(database_url=database_url)
     require_database(settings)
-    options = ExportOptions(study, mode.value if mode else None, telemetry, panel_ids)
+    options = ExportOptions(study, mode.value if mode else None, telemetry, panel_ids, notes)
     counts = asyncio.run(write_export(settings, options, out))
     if out != STDOUT:
         report({"file": str(out), **counts}, as_json)

@@ -30,12 +30,11 @@ from study.errors import UnknownStudy
 from study.records.cells import Table
 from study.records.codebook import CODEBOOK, codebook_rows
 from study.records.datapackage import describe_package
-from study.records.observations import PANEL_IDS, TELEMETRY
+from study.records.observations import NOTES, PANEL_IDS, TELEMETRY
 from study.records.tables import (
     EVENTS,
     EXPERT_LABELS,
     LEGS,
-    NOTES,
     PARTICIPANTS,
     QUALITY,
     RESPONSES,
@@ -51,12 +50,13 @@ STDOUT = Path("-")
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """What to export. `panel_ids` and `telemetry` are left out unless asked for."""
+    """What to export. `panel_ids`, `notes` of staff and `telemetry` only if asked for."""
 
     study_id: str
     mode: str | None = None
     telemetry: bool = False
     panel_ids: bool = False
+    notes: bool = False
 
     @property
     def selection(self) -> Selection:
@@ -171,6 +171,8 @@ class _Bundle:
         further = [(self._wide.file, self._wide), (CODEBOOK.file, CODEBOOK)]
         if self._options.panel_ids:
             further.append((PANEL_IDS.file, PANEL_IDS))
+        if self._options.notes:
+            further.append((NOTES.file, NOTES))
         if self._options.telemetry:
             further.append(("telemetry/*.csv.gz", TELEMETRY))
         rows = list(codebook_rows(self._items, further))
@@ -210,8 +212,9 @@ class _Bundle:
             (EVENTS, sources.parts("events")),
             (QUALITY, sources.quality()),
             (EXPERT_LABELS, sources.labels(used.sha256 for used in self._policies)),
-            (NOTES, sources.notes()),
         ]
         if self._options.panel_ids:
             tables.append((PANEL_IDS, sources.panel_ids()))
+        if self._options.notes:
+            tables.append((NOTES, sources.notes()))
         return tables

@@ -19,6 +19,7 @@ async def answer_download(
     parts = [options.study_id, options.mode or "all modes"]
     parts += ["with telemetry"] if options.telemetry else []
     parts += ["with panel ids"] if options.panel_ids else []
+    parts += ["with notes"] if options.notes else []
     await audit.note(user_name, "export downloaded", ", ".join(parts))
     pieces = await begin_export(settings, options)
     made = f"{datetime.now(UTC):%Y%m%dT%H%M%SZ}"

@@ -31,6 +31,7 @@ async def begin_export(settings: Settings, options: ExportOptions) -> AsyncGener
     words += ["--mode", options.mode] if options.mode else []
     words += ["--telemetry"] if options.telemetry else []
     words += ["--panel-ids"] if options.panel_ids else []
+    words += ["--notes"] if options.notes else []
     process = await asyncio.create_subprocess_exec(
         sys.executable,
         "-c",

@@ -26,10 +26,9 @@ Files: {files}
 - wide.csv has a row per participant, with a column per question and condition.
 - flags name exclusion rules of the study that were broken; nothing was deleted because of them.
 - Participants whose status is excluded were taken out by staff; status_reason says why.
-- notes.csv has what staff wrote about people and about moments of their trials, in their own words.
 - Rows whose mode is not live come from pilots or simulated participants.
 - In text columns a cell that a spreadsheet would run as a formula begins with an apostrophe.
-- MANIFEST.sha256 holds a checksum per file; check with: sha256sum -c MANIFEST.sha256
+{notes}- MANIFEST.sha256 holds a checksum per file; check with: sha256sum -c MANIFEST.sha256
 
 Loading it in Python (pandas):
 
@@ -45,6 +44,9 @@ Versions of the study in this export: {versions}
 Policies that decided about the display in these trials, by policy_sha256:
 {policies}
 {failed}"""
+_NOTES = """\
+- notes.csv has what staff wrote about people and about moments of their trials, in their own words.
+"""
 _FAILED = """
 Trials that could not be re-simulated, so that their telemetry is missing:
 {list}
@@ -66,6 +68,7 @@ def make_readme(
         study_id=study_id,
         mode=f"mode {mode} only" if mode else "all modes",
         files=", ".join(files),
+        notes=_NOTES if "notes.csv" in files else "",
         versions=", ".join(versions),
         policies="\n".join(named) or "- none",
         failed=_FAILED.format(list=missing) if missing else "",

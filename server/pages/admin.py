@@ -34,10 +34,12 @@ async def show_overview(frame: FrameDep, desk: AdminDeskDep) -> Response:
 
 
 @router.get("/export")
-async def download_export(frame: FrameDep, telemetry: str = "", panel_ids: str = "") -> Response:
+async def download_export(
+    frame: FrameDep, telemetry: str = "", panel_ids: str = "", notes: str = ""
+) -> Response:
     """The export as a zip, written while it is sent."""
     options = ExportOptions(
-        frame.study.study_id, frame.mode or None, bool(telemetry), bool(panel_ids)
+        frame.study.study_id, frame.mode or None, bool(telemetry), bool(panel_ids), bool(notes)
     )
     services = frame.services
     return await answer_download(services.settings, services.audit, options, frame.user.name)

@@ -31,13 +31,12 @@ from study.records.columns import (
     STUDY,
     TRIAL,
 )
-from study.records.observations import EVENTS, EXPERT_LABELS, NOTES, QUALITY
+from study.records.observations import EVENTS, EXPERT_LABELS, QUALITY
 
 __all__ = (
     "EVENTS",
     "EXPERT_LABELS",
     "LEGS",
-    "NOTES",
     "PARTICIPANTS",
     "QUALITY",
     "RESPONSES",
@@ -183,8 +182,7 @@ TABLES: Mapping[str, Table] = MappingProxyType(
             EVENTS,
             QUALITY,
             EXPERT_LABELS,
-            NOTES,
         )
     }
 )
-"""Every table of an export but the wide one, in their order there."""
+"""Every table of each export but the wide one, in their order there."""

@@ -211,6 +211,7 @@ def test_the_download_holds_its_manifest_and_equals_the_database(
     """By the page's button: people, trials, answers, events and notes, neither more nor less."""
     page, server = admin, practice_server
     page.goto(f"{server.url}/admin/data?study=walk")
+    page.get_by_label("With staff's notes").check()
     with page.expect_download() as download:
         page.get_by_role("button", name="Download the export").click()
     download.value.save_as(tmp_path / "walk.zip")

@@ -79,7 +79,7 @@ async def test_frictionless_accepts_the_bundle_with_everything_in_it(
     await fill(site)
     folder = tmp_path / "bundle"
     with zipfile.ZipFile(
-        io.BytesIO(await export(site.database, telemetry=True, panel_ids=True))
+        io.BytesIO(await export(site.database, telemetry=True, panel_ids=True, notes=True))
     ) as bundle:
         bundle.extractall(folder)
     report = judge(folder / "datapackage.json")

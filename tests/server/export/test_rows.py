@@ -55,7 +55,7 @@ def site(database: Database, study: Study, make_result: MakeResult) -> Site:
 
 
 async def read_bundle(database: Database, mode: str | None = None) -> dict[str, list[Any]]:
-    return read_tables(await export(database, mode=mode))
+    return read_tables(await export(database, mode=mode, notes=True))
 
 
 async def check_export_equals_database(database: Database) -> None:
@@ -162,7 +162,7 @@ async def test_a_whole_participation_on_each_kind_of_database(site: Site) -> Non
     await site.walk(15, "4", "=1+1")
     await check_export_equals_database(site.database)
     tables = await read_bundle(site.database)
-    counts = [1, 3, 6, 9, 3 + 6 + 4 + 18 + 2, 0, 0, 0, 0]
+    counts = [1, 3, 6, 9, 3 + 6 + 4 + 18 + 2, 0, 0, 0]
     assert [len(tables[name]) for name in TABLES] == counts
     (wide,) = tables["wide"]
     assert {wide[f"questionnaire_Q1_{name}"] for name in order_of(tables)} == {"4"}
@@ -242,6 +242,7 @@ async def test_nothing_in_the_export_leads_back_to_a_person(site: Site) -> None:
     assert b"panel-id" not in whole
     asked_for = read_tables(await export(site.database, panel_ids=True))
     assert [row["value"][:9] for row in asked_for["panel_ids"]] == ["panel-id-"]
+    assert "notes" not in asked_for
 
 
 async def test_columns_do_not_depend_on_what_was_answered(site: Site) -> None:
