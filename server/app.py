@@ -21,11 +21,15 @@ from server.api import description
 from server.dashboard.sockets import staff_sockets
 from server.dashboard.watch import LiveWatch
 from server.deps import Services, find_account, require_expert, require_staff
+from server.desks.audit import AuditDesk
 from server.desks.bots import BotDesk
+from server.desks.data import DataDesk
 from server.desks.learning import StoredLearningDesk
+from server.desks.lives import LifeDesk
 from server.desks.participants import ParticipantDesk
 from server.desks.policies import PolicyDesk
 from server.desks.staff import AdminDesk
+from server.desks.stories import StoryDesk
 from server.desks.trials import StoredTrialDesk
 from server.kernel_cache import kernel_folder
 from server.live.compiling import prepare_kernels
@@ -41,6 +45,7 @@ from server.pages import (
     admin_data,
     admin_live,
     admin_people,
+    admin_story,
     admin_study,
     expert,
     participant,
@@ -80,7 +85,7 @@ def create_app(settings: Settings, studies: Sequence[Study]) -> FastAPI:
     app.state.services = services
     for pages in (service, participant, staff, expert, worker):
         app.include_router(pages.router)
-    for pages in (admin, admin_people, admin_live, admin_data, admin_study, policies):
+    for pages in (admin, admin_people, admin_story, admin_live, admin_data, admin_study, policies):
         app.include_router(pages.router)
     for router in (*description.ROUTERS, description.router):
         app.include_router(router)
@@ -143,6 +148,10 @@ def _build_services(settings: Settings, studies: Sequence[Study]) -> Services:
         worker_links=WorkerLinks(key),
         policies=PolicyDesk(database, known),
         bots=BotDesk(database, known, key),
+        lives=LifeDesk(database),
+        stories=StoryDesk(database),
+        data=DataDesk(database),
+        audit=AuditDesk(database),
         sign_ins=SignIns(key),
         renderer=Renderer(web_root()),
         metrics=CollectorRegistry(),

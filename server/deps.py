@@ -10,11 +10,15 @@ from typing import Annotated, cast
 from fastapi import Depends, Request
 from prometheus_client import CollectorRegistry
 
+from server.desks.audit import AuditDesk
 from server.desks.bots import BotDesk
+from server.desks.data import DataDesk
 from server.desks.learning import StoredLearningDesk
+from server.desks.lives import LifeDesk
 from server.desks.participants import ParticipantDesk
 from server.desks.policies import PolicyDesk
 from server.desks.staff import AdminDesk
+from server.desks.stories import StoryDesk
 from server.desks.trials import StoredTrialDesk
 from server.pages.rendering import Renderer
 from server.problems import RoleNeeded, SignInNeeded
@@ -37,6 +41,10 @@ class Services:
     worker_links: WorkerLinks
     policies: PolicyDesk
     bots: BotDesk
+    lives: LifeDesk
+    stories: StoryDesk
+    data: DataDesk
+    audit: AuditDesk
     sign_ins: SignIns
     renderer: Renderer
     metrics: CollectorRegistry

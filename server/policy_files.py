@@ -24,7 +24,9 @@ def read_policy_file(path: Path) -> Policy:
         ) from problem
     if data is None:
         raise PolicyError(
-            f"the file is larger than {MAX_BYTES} bytes, so it is no policy", where=str(path)
+            f"the file is larger than {MAX_BYTES} bytes, so it is no policy",
+            where=str(path),
+            next_step="Give a file that `varil learn` wrote or a learning run offers.",
         )
     try:
         return read_policy(data)

@@ -111,6 +111,18 @@ def test_pages_and_live_do_not_know_each_other() -> None:
     assert offences("server/live", {"server.pages", "server.store"}) == []
 
 
+def test_pages_and_programs_ask_desks() -> None:
+    """Whoever answers a request opens no transaction; desks own them all."""
+    opened = [
+        f"{path.relative_to(ROOT)}:{number}"
+        for folder in ("server/pages", "server/api", "server/live")
+        for path in python_files(folder)
+        for number, line in enumerate(path.read_text().splitlines(), 1)
+        if re.search(r"\.(reading|writing)\(\)", line)
+    ]
+    assert opened == []
+
+
 def test_migrations_import_nothing_of_ours() -> None:
     """An old revision must run years later, whatever the code has become."""
     assert offences("migrations/versions", {"server", "study"}) == []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Query
 
@@ -19,10 +19,9 @@ from server.api.records import (
     Trial,
     Wanted,
 )
-from server.deps import AdminDep, Services, ServicesDep
-from server.desks.lives import LifeDesk
+from server.deps import AdminDep, ServicesDep
 from server.store.participants import UnknownParticipant
-from server.store.staff_lists import Listing, list_people, list_trials
+from server.store.staff_lists import Listing
 from server.store.trials import UnknownTrial
 from study.protocol.lifecycle import Status
 
@@ -41,7 +40,9 @@ async def list_participants(
     limit: Limit = 100,
 ) -> Page[Participant]:
     """One page of participants, oldest first."""
-    rows, total = await _read_people(services, Listing(offset, limit, study or "", mode, status))
+    rows, total = await services.stories.list_people(
+        Listing(offset, limit, study or "", mode, status)
+    )
     items = [Participant(**row) for row in rows]
     return Page(total=total, offset=offset, limit=limit, items=items)
 
@@ -49,10 +50,10 @@ async def list_participants(
 @router.get("/participants/{code}")
 async def read_participant(code: Name, services: ServicesDep, user: AdminDep) -> ParticipantDetail:
     """One participant with the history of the participation."""
-    rows, _ = await _read_people(services, Listing(0, 1, code=code))
+    rows, _ = await services.stories.list_people(Listing(0, 1, code=code))
     if not rows:
         raise UnknownParticipant(code)
-    _, changes = await LifeDesk(services.database).read_history(code)
+    _, changes = await services.lives.read_history(code)
     return ParticipantDetail(**rows[0], changes=[Change(**vars(entry)) for entry in changes])
 
 
@@ -61,7 +62,7 @@ async def exclude_participant(
     code: Name, why: Reason, services: ServicesDep, user: AdminDep
 ) -> ParticipantDetail:
     """Take a participant out of the analysis and give the place back."""
-    await LifeDesk(services.database).exclude(code, why.reason, user.name)
+    await services.lives.exclude(code, why.reason, user.name)
     return await read_participant(code, services, user)
 
 
@@ -70,7 +71,7 @@ async def reinstate_participant(
     code: Name, why: Reason, services: ServicesDep, user: AdminDep
 ) -> ParticipantDetail:
     """Take an exclusion back."""
-    await LifeDesk(services.database).reinstate(code, why.reason, user.name)
+    await services.lives.reinstate(code, why.reason, user.name)
     return await read_participant(code, services, user)
 
 
@@ -87,21 +88,14 @@ async def list_all_trials(
 ) -> Page[Trial]:
     """One page of participants' trials, oldest first."""
     wanted = Listing(offset, limit, study or "", mode, status, participant)
-    async with services.database.reading() as session:
-        rows, total = await list_trials(session, wanted)
+    rows, total = await services.stories.list_trials(wanted)
     return Page(total=total, offset=offset, limit=limit, items=[Trial(**row) for row in rows])
 
 
 @router.get("/trials/{trial_id}", tags=["trials"])
 async def read_trial(trial_id: Name, services: ServicesDep, user: AdminDep) -> Trial:
     """One trial of a participant."""
-    async with services.database.reading() as session:
-        rows, _ = await list_trials(session, Listing(0, 1, trial_id=trial_id))
+    rows, _ = await services.stories.list_trials(Listing(0, 1, trial_id=trial_id))
     if not rows:
         raise UnknownTrial(trial_id)
     return Trial(**rows[0])
-
-
-async def _read_people(services: Services, wanted: Listing) -> tuple[list[dict[str, Any]], int]:
-    async with services.database.reading() as session:
-        return await list_people(session, wanted)

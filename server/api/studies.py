@@ -9,12 +9,9 @@ from fastapi import APIRouter
 from starlette.responses import StreamingResponse
 
 from server.api.records import Mode, Name, StudyDetail, StudySummary
-from server.deps import AdminDep, Services, ServicesDep
-from server.desks.trials import utc_now
+from server.deps import AdminDep, ServicesDep
 from server.export.bundle import ExportOptions
-from server.export.process import begin_export
-from server.store.participants import count_by_status
-from server.store.users import add_audit
+from server.export.download import answer_download
 from study.config import Study
 
 router = APIRouter(prefix="/api/v1/studies", tags=["studies"])
@@ -24,7 +21,7 @@ _ZIP: dict[int | str, dict[str, Any]] = {200: {"content": {"application/zip": {}
 @router.get("")
 async def list_studies(services: ServicesDep, user: AdminDep) -> list[StudySummary]:
     """Every study that can be joined here, with its counts."""
-    counts = await _count(services)
+    counts = await services.data.count_statuses()
     return [
         StudySummary(**_summary(study, counts)) for study in services.participants.studies.values()
     ]
@@ -35,7 +32,7 @@ async def read_study(study_id: Name, services: ServicesDep, user: AdminDep) -> S
     """One study with its whole definition."""
     study = services.participants.find_study(study_id)
     return StudyDetail(
-        **_summary(study, await _count(services)),
+        **_summary(study, await services.data.count_statuses()),
         orders=[list(order) for order in study.orders],
         steps=list(study.plan.steps),
         definition=json.loads(study.canonical_json),
@@ -52,23 +49,8 @@ async def export_study(
 ) -> StreamingResponse:
     """The export bundle as a zip, written while it is sent."""
     study = services.participants.find_study(study_id)
-    async with services.database.writing() as session:
-        detail = f"{study.study_id}, {mode or 'all modes'}"
-        await add_audit(session, user.name, "export downloaded", detail, utc_now())
-    pieces = await begin_export(
-        services.settings, ExportOptions(study.study_id, mode, telemetry=telemetry)
-    )
-    name = f"{study.study_id}-{mode or 'all'}-{utc_now():%Y%m%dT%H%M%SZ}.zip"
-    return StreamingResponse(
-        pieces,
-        media_type="application/zip",
-        headers={"Content-Disposition": f'attachment; filename="{name}"'},
-    )
-
-
-async def _count(services: Services) -> dict[tuple[str, str, str], int]:
-    async with services.database.reading() as session:
-        return await count_by_status(session)
+    options = ExportOptions(study.study_id, mode, telemetry=telemetry)
+    return await answer_download(services.settings, services.audit, options, user.name)
 
 
 def _summary(study: Study, counts: dict[tuple[str, str, str], int]) -> dict[str, Any]:

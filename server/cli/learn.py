@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from server.cli.choices import NO_BALLOONS, BalloonBelief, Expert, Scale, View, Wish, Worker
 from server.cli.output import AsJson, report
+from study.errors import InvalidValue
+
+if TYPE_CHECKING:
+    from study.learning.settings import LearningSettings
 
 LAST = 40
 LINES = {
@@ -46,10 +50,9 @@ def learn(
     """Learn a policy from a simulated expert by PolicyUp."""
     from server.headless.learning import LearningOptions
     from server.headless.learning import learn as run_learning
-    from study.learning.settings import LearningSettings
     from study.people.habits import Habits
 
-    settings = LearningSettings(
+    settings = read_settings(
         iterations=iterations,
         beta=beta,
         box_mode=box_mode,
@@ -80,19 +83,36 @@ def learn(
         typer.echo(describe_rates(out / "discrepancies.csv"))
 
 
+def read_settings(**given: Any) -> LearningSettings:
+    """The options as settings of a run; what is not allowed makes the call a wrong one."""
+    from study.learning.classifiers import choose_classifier
+    from study.learning.settings import LearningSettings
+
+    try:
+        choose_classifier(given["classifier"])
+        return LearningSettings(**given)
+    except InvalidValue as problem:
+        name = (problem.where or "classifier").replace("_", "-")
+        raise typer.BadParameter(
+            f"{problem.what}. {problem.next_step}", param_hint=f"--{name}"
+        ) from problem
+
+
 def describe_rates(file: Path) -> str:
     """A small table of the last 40 iterations' rates, the policy's own beside what it is held
-    against, added up from the counts in discrepancies.csv."""
+    against, added up from the counts in discrepancies.csv. A shorter run counts as a whole."""
     totals: dict[str, list[int]] = {}
     with file.open(newline="", encoding="utf-8") as opened:
         rows = list(csv.DictReader(opened))
-    first = max(int(row["iteration"]) for row in rows) + 1 - LAST
+    iterations = max(int(row["iteration"]) for row in rows) + 1
+    first = iterations - LAST
     for row in rows:
         if int(row["iteration"]) >= first:
             counts = totals.setdefault(row["line"], [0, 0, 0, 0])
             for at, name in enumerate(("compared", "disable", "enable", "shown")):
                 counts[at] += int(row[name])
-    lines = [f"last {LAST} iterations   off rate  Hamming rate  shown share"]
+    title = f"last {min(LAST, iterations)} iterations"
+    lines = [f"{title:<20}  {'off rate':>8}  {'Hamming rate':>12}  {'shown share':>11}"]
     for line, (compared, disable, enable, shown) in totals.items():
         rates = [part / max(1, compared) for part in (disable, disable + enable, shown)]
         name = LINES.get(line, line)

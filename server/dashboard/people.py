@@ -47,7 +47,7 @@ def _row(player: Player, room: RoomState | None) -> dict[str, Any]:
 
 def _connection(player: Player, room: RoomState | None) -> str:
     if room is None:
-        return "not in memory" if player.trial_id else "on a page"
+        return "not back yet" if player.trial_id else "on a page"
     if room.is_connected:
         return "connected"
     return f"away for {room.absent_s:.0f} s of {room.abandon_after_s:.0f} s"

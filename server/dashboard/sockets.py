@@ -14,8 +14,10 @@ from server.dashboard.watch import LiveWatch
 from server.deps import Services, find_account, require_admin, require_staff
 from server.live.hall import Hall
 from server.live.outbox import SpectatorOutbox
+from server.live.ports import OpenTrial
 from server.live.replaying import ReplayTalk
 from server.live.watching import PeopleTalk, SpectatorTalk, StaffEndpoint, StaffTalk, Who
+from server.store.trials import read_trial
 
 Scope = Mapping[str, Any]
 
@@ -33,15 +35,23 @@ def staff_sockets(
     async def describe(study_id: str) -> Mapping[str, Any]:
         return await describe_people(services.database, watch, study_id)
 
+    async def is_over(trial_id: str) -> bool:
+        async with services.database.reading() as session:
+            return (await read_trial(session, trial_id)).status != "open"
+
+    async def recall(trial_id: str) -> OpenTrial:
+        await hall.settle()
+        return await services.trials.recall(trial_id)
+
     def begin_people(scope: Scope, outbox: SpectatorOutbox, who: Who) -> StaffTalk:
         study = HTTPConnection(dict(scope)).query_params.get("study", "")
         return PeopleTalk(outbox, who, study[:40], describe)
 
     def begin_watching(scope: Scope, outbox: SpectatorOutbox, who: Who) -> StaffTalk:
-        return SpectatorTalk(outbox, who, hall, str(scope["path_params"]["trial"]))
+        return SpectatorTalk(outbox, who, hall, str(scope["path_params"]["trial"]), is_over)
 
     def begin_replay(scope: Scope, outbox: SpectatorOutbox, who: Who) -> StaffTalk:
-        return ReplayTalk(outbox, who, str(scope["path_params"]["trial"]), services.trials.recall)
+        return ReplayTalk(outbox, who, str(scope["path_params"]["trial"]), recall)
 
     talks = {
         "/admin/live/socket": begin_people,

@@ -75,25 +75,21 @@ class LiveWatch:
             storage_failing_s=None if failing is None else hall.clock.now_s() - failing,
         )
 
-    def tick_of(self, trial_id: str) -> int:
-        """The trial's present tick; raises `NotRunning`."""
-        return self._room(trial_id).world.tick
+    def last_tick(self, trial_id: str) -> int:
+        """The tick of a trial in memory; 0 for any other."""
+        room = self.hall.rooms.get(trial_id)
+        return 0 if room is None else int(room.world.tick)
 
-    def limit_after(self, trial_id: str, more_s: float) -> float:
-        """The limit on absence, in seconds, once so much time is added; raises `NotRunning`."""
-        return self._room(trial_id).abandon_after_s + min(more_s, LONGEST_EXTENSION_S)
+    def require_running(self, trial_id: str) -> None:
+        """Raise `NotRunning` unless the trial is held in memory."""
+        if trial_id not in self.hall.rooms:
+            raise NotRunning(trial_id)
 
     def set_limit(self, trial_id: str, limit_s: float) -> None:
         """Wait so long for an absent participant; a trial that has just left memory is let be."""
         room = self.hall.rooms.get(trial_id)
         if room is not None:
             room.abandon_after_s = limit_s
-
-    def _room(self, trial_id: str) -> Room:
-        room = self.hall.rooms.get(trial_id)
-        if room is None:
-            raise NotRunning(trial_id)
-        return room
 
 
 def _describe(room: Room) -> RoomState:

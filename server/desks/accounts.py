@@ -11,15 +11,9 @@ from pwdlib import PasswordHash
 
 from server.desks.trials import utc_now
 from server.settings import Settings
+from server.store.audit import add_audit
 from server.store.engine import Database
-from server.store.users import (
-    Role,
-    StaffRecord,
-    add_audit,
-    count_admins,
-    find_user,
-    store_user,
-)
+from server.store.users import Role, StaffRecord, count_admins, find_user, store_user
 from study.errors import InvalidValue
 
 SHORTEST_PASSWORD = 10

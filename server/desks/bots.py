@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from server.desks.trials import Clock, utc_now
+from server.store.audit import add_audit
 from server.store.engine import Database
 from server.store.moves import alter
 from server.store.participants import (
@@ -18,7 +19,6 @@ from server.store.participants import (
     find_participant,
 )
 from server.store.studies import keep_version
-from server.store.users import add_audit
 from server.tokens import derive_token, make_nonce
 from study.config import Study
 from study.errors import InvalidValue, UnknownStudy

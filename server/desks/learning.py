@@ -24,11 +24,11 @@ from server.desks.trials import Clock, read_setup, utc_now
 from server.live.learning.ports import OpenRun
 from server.live.ports import OpenTrial, TrialSetup
 from server.store import learning as runs
+from server.store.audit import add_audit
 from server.store.engine import Database
 from server.store.journals import read_journal
 from server.store.learning import NewRun, RunRecord, RunStatus, WorkerKind
 from server.store.trials import abandon_run_trials, add_trial, list_run_trials
-from server.store.users import add_audit
 from server.tokens import looks_like_token
 from study.errors import NotFound, UnknownToken, WrongMoment
 from study.learning.dataset_rows import DATASET_FIELDS, dataset_row

@@ -8,11 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from server.desks.trials import Clock, utc_now
+from server.store.audit import add_audit
 from server.store.engine import Database
 from server.store.lives import StatusChange, erase_data, list_changes
 from server.store.moves import alter
 from server.store.participants import ParticipantRecord, find_by_code
-from server.store.users import add_audit
 from study.errors import WrongMoment
 from study.protocol.lifecycle import Act, check_reason
 

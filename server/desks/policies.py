@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from server.desks.trials import Clock, utc_now
 from server.policy_files import read_policy_upload, shipped_policy
 from server.store import policies as stored
+from server.store.audit import add_audit
 from server.store.engine import Database
 from server.store.learning import read_run
 from server.store.policies import PolicyEntry
-from server.store.users import add_audit
 from study.config import Study
 from study.errors import InvalidValue, PolicyError, UnknownStudy, WrongMoment
 from study.learning.policy import Policy, read_policy

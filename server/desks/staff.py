@@ -5,16 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import timedelta
 
-from server.dashboard.watch import LiveWatch
+from server.dashboard.watch import LONGEST_EXTENSION_S, LiveWatch
+from server.desks.lives import AlreadyErased
 from server.desks.policies import PolicyDesk, needs_confirmation
 from server.desks.trials import Clock, utc_now
+from server.store.audit import add_audit
 from server.store.dashboard import count_away, count_crowds
 from server.store.engine import Database
 from server.store.moves import PAUSED_AFTER_S
 from server.store.participants import find_by_code, give_time, read_participant
 from server.store.stories import LONGEST_NOTE, Note, add_note
 from server.store.trials import TrialRecord, UnknownTrial, read_trial, store_limit
-from server.store.users import add_audit
 from study.config import Study
 from study.errors import InvalidValue
 from study.protocol.alarms import Alarm, VitalSigns, raise_alarms
@@ -111,35 +112,46 @@ class AdminDesk:
         return Preview(act, after.status, cells[order], then[order], spread(cells), spread(then))
 
     async def note(self, code: str, text: str, user_name: str) -> None:
-        """Keep a note about a participant. Raises `UnknownParticipant` or InvalidValue."""
+        """Keep a note about a participant.
+
+        Raises `UnknownParticipant`, `AlreadyErased` or InvalidValue.
+        """
         now, words = self.clock(), check_note(text)
         async with self.database.writing() as session:
-            person = await find_by_code(session, code)
+            person = await find_by_code(session, code, lock=True)
+            if person.erased_at is not None:
+                raise AlreadyErased(person.code)
             await add_note(session, person.id, Note(now, user_name, words, None, None))
             await add_audit(session, user_name, "note written", person.code, now)
 
     async def note_trial(self, trial_id: str, tick: int, text: str, user_name: str) -> None:
-        """Keep a note about a moment of a trial. Raises `UnknownTrial` or InvalidValue."""
+        """Keep a note about a moment of a trial; one after its last tick is about that tick.
+
+        Raises `UnknownTrial` or InvalidValue.
+        """
         now, words = self.clock(), check_note(text)
         async with self.database.writing() as session:
             trial = await read_trial(session, trial_id)
             person = await read_participant(session, owner_of(trial))
-            await add_note(session, person.id, Note(now, user_name, words, trial.id, tick))
-            detail = f"{person.code}: {trial.step} at tick {tick}"
+            last = max(trial.ticks, self.watch.last_tick(trial.id))
+            note = Note(now, user_name, words, trial.id, min(tick, last))
+            await add_note(session, person.id, note)
+            detail = f"{person.code}: {trial.step} at tick {note.tick}"
             await add_audit(session, user_name, "note written", detail, now)
 
     async def extend(self, trial_id: str, minutes: int, user_name: str) -> None:
         """Wait longer for an absent participant: in the database, then in memory.
 
-        The new limit is stored with the trial, so a restarted server keeps it. Raises
-        `UnknownTrial` or `NotRunning`.
+        The new limit is stored with the trial, so a restarted server keeps it, and what two people
+        add at once adds up. Raises `UnknownTrial` or `NotRunning`.
         """
-        now = self.clock()
-        limit_s = self.watch.limit_after(trial_id, minutes * 60.0)
+        now, more_s = self.clock(), min(minutes * 60.0, LONGEST_EXTENSION_S)
+        self.watch.require_running(trial_id)
         async with self.database.writing() as session:
             owner = owner_of(await read_trial(session, trial_id))
             person = await read_participant(session, owner, lock=True)
             trial = await read_trial(session, trial_id, lock=True)
+            limit_s = trial.config["abandon_after_s"] + more_s
             await store_limit(session, trial, limit_s)
             await give_time(session, person.id, now + timedelta(seconds=limit_s))
             detail = f"{person.code}: {trial.step}, {minutes} minutes more"
@@ -156,7 +168,7 @@ def owner_of(trial: TrialRecord) -> int:
 
 def check_note(text: str) -> str:
     """A note in tidy lines; raises InvalidValue if it is empty or too long."""
-    words = text.strip()
+    words = text.replace("\x00", "").strip()
     if not words or len(words) > LONGEST_NOTE:
         raise InvalidValue(
             f"a note has 1 to {LONGEST_NOTE} characters, this one has {len(words)}",

@@ -35,6 +35,7 @@ from study.records.tables import (
     EVENTS,
     EXPERT_LABELS,
     LEGS,
+    NOTES,
     PARTICIPANTS,
     QUALITY,
     RESPONSES,
@@ -209,6 +210,7 @@ class _Bundle:
             (EVENTS, sources.parts("events")),
             (QUALITY, sources.quality()),
             (EXPERT_LABELS, sources.labels(used.sha256 for used in self._policies)),
+            (NOTES, sources.notes()),
         ]
         if self._options.panel_ids:
             tables.append((PANEL_IDS, sources.panel_ids()))

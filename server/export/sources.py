@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Iterable, Mapping
 from dataclasses import dataclass
+from itertools import groupby
+from operator import itemgetter
 from typing import Any
 
 from server.export.items import complete_answer, complete_person, score_answers
@@ -15,6 +17,7 @@ from server.store.export_rows import (
     Selection,
     answers_of,
     label_pages,
+    notes_of,
     panel_ids_of,
     parts_of,
     people_pages,
@@ -103,6 +106,17 @@ class Sources:
                 row["domain"] = DOMAINS[row["domain"]]
                 row["by_expert"] = bool(row["by_expert"])
             yield page
+
+    async def notes(self) -> Pages:
+        """Rows of notes.csv."""
+        async for page in people_pages(self.session, self.chosen):
+            rows = await notes_of(self.session, page)
+            for _, mine in groupby(rows, itemgetter("participant_code")):
+                for number, row in enumerate(mine):
+                    tick = row["tick"]
+                    row["number"] = number
+                    row["time_s"] = None if tick is None else round(tick / TICK_HZ, 3)
+            yield rows
 
     async def ended_trials(self) -> AsyncIterator[Row]:
         """Rows of trials.csv that have a world to re-simulate, one by one."""

@@ -26,6 +26,7 @@ Files: {files}
 - wide.csv has a row per participant, with a column per question and condition.
 - flags name exclusion rules of the study that were broken; nothing was deleted because of them.
 - Participants whose status is excluded were taken out by staff; status_reason says why.
+- notes.csv has what staff wrote about people and about moments of their trials, in their own words.
 - Rows whose mode is not live come from pilots or simulated participants.
 - In text columns a cell that a spreadsheet would run as a formula begins with an apostrophe.
 - MANIFEST.sha256 holds a checksum per file; check with: sha256sum -c MANIFEST.sha256

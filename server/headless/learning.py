@@ -55,12 +55,15 @@ class LearningOptions:
 def learn(options: LearningOptions) -> dict[str, Any]:
     """Run PolicyUp, write its files into the folder, return the summary.
 
-    Files: dataset.csv, discrepancies.csv, policies/000.json to policies/<iterations>.json.
-    Errors: InvalidValue for an unknown scale, worker, expert or classifier.
+    Files: dataset.csv, discrepancies.csv, policies/000.json to policies/<iterations>.json. Those
+    of an earlier run in the same folder are replaced, none of them stays. Errors: InvalidValue for
+    an unknown scale, worker, expert or classifier; OSError for an unusable folder, before the run.
     """
     spec = options.hall or choose_scale(options.scale)
     check_people(options.worker, options.expert)
     choose_classifier(options.settings.classifier)
+    folder = options.out / "policies"
+    folder.mkdir(parents=True, exist_ok=True)
     started_s = time.perf_counter()
     console = Console(stderr=True, quiet=options.quiet)
     console.print("Preparing the compiled world (up to a minute the first time) ...")
@@ -75,8 +78,9 @@ def learn(options: LearningOptions) -> dict[str, Any]:
             options.habits,
         )
     found = measure(up.dataset, options.settings.iterations)
-    folder = options.out / "policies"
-    folder.mkdir(parents=True, exist_ok=True)
+    for former in folder.glob("*.json"):
+        if former.stem.isdigit():
+            former.unlink()
     for version in up.versions:
         policy = describe_policy(version, options, found["policy"])
         (folder / f"{version.iterations:03}.json").write_text(policy.to_json(), encoding="utf-8")

@@ -16,14 +16,14 @@ from server.live.outbox import Outbox, SpectatorOutbox
 from server.live.ports import OpenTrial
 from server.live.watching import StaffTalk, Who
 from server.live.wire import CloseCode, WireError
-from study.errors import StudyError
 
 if TYPE_CHECKING:
     from study.ar.display import DisplayClock
     from study.warehouse.world import World
 
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
-FRAME_S = 2 / wire.TICK_HZ
+FRAME_TICKS = wire.TICK_HZ // wire.SNAPSHOT_HZ
+FRAME_S = FRAME_TICKS / wire.TICK_HZ
 TICKS_PER_SLICE = 60
 
 ReadTrial = Callable[[str], Awaitable[OpenTrial]]
@@ -70,30 +70,32 @@ class ReplayTalk(StaffTalk):
         while True:
             if self._seek is not None:
                 film = await self._go_to(film, opened)
-            if self._is_playing and film.tick < self._last:
+            elif self._is_playing and film.tick < self._last:
                 await self._play(film)
             else:
                 await self._rest(film)
 
     async def _play(self, film: _Film) -> None:
-        credit = self._speed * 2
-        film.credit += credit
+        clock = asyncio.get_running_loop().time
+        due_s = clock() + FRAME_S
+        film.credit += self._speed * FRAME_TICKS
         while film.credit >= 1.0 and film.tick < self._last:
             film.credit -= 1.0
             film.step()
         film.send()
         if film.tick >= self._last:
             self._is_playing = False
-        await asyncio.sleep(FRAME_S)
+        await asyncio.sleep(max(0.0, due_s - clock()))
 
     async def _rest(self, film: _Film) -> None:
         self._told.clear()
         film.tell_phase("finished" if film.tick >= self._last else "paused")
         film.send()
         await self._told.wait()
-        if self._is_playing and film.tick >= self._last:
+        if self._is_playing and film.tick >= self._last and self._seek is None:
             self._seek = 0
-        film.tell_phase("running")
+        if self._is_playing:
+            film.tell_phase("running")
 
     async def _go_to(self, film: _Film, opened: OpenTrial) -> _Film:
         """The film at the tick asked for: backwards it begins anew."""
@@ -142,16 +144,14 @@ class _Film:
         return self._world.tick
 
     def show(self, outbox: Outbox) -> None:
-        """Let the page see this film from now on."""
+        """Let the page see this film from now on; it forgets what it saw before."""
         self._boxes = int(self._world.boxes_delivered)
+        self._audience.remove(outbox)
         self._audience.add(outbox, 0)
 
     def step(self) -> None:
-        """One tick on."""
-        try:
-            next(self._steps, None)
-        except StudyError as problem:
-            raise WireError("the recorded state", str(problem), CloseCode.CANNOT_RESUME) from None
+        """One tick on. Raises JournalError where the recorded state is not reached again."""
+        next(self._steps, None)
         display = self._display.update(self._world)
         if display is not None:
             self._audience.show(display)

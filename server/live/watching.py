@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 from abc import abstractmethod
+from asyncio import FIRST_COMPLETED
 from collections.abc import Awaitable, Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -20,18 +22,25 @@ from server.live.line import Line
 from server.live.outbox import Outbox, Send, SpectatorOutbox
 from server.live.talk import GreetedTalk
 from server.live.wire import CloseCode, WireError
+from server.problems import Refused
+from study.errors import StudyError
 
 if TYPE_CHECKING:
     from server.live.room import Room
 
+logger = logging.getLogger(__name__)
+
 MESSAGES_PER_S, MESSAGES_BURST = 30.0, 120.0
 TELL_EVERY_S = 1.0
+IDENTIFY_EVERY_S = 5.0
 
 Who = Callable[[], Awaitable[str]]
 """The account's name; raises Refused when nobody fit is signed in (any more)."""
 Identify = Callable[[Mapping[str, Any]], Awaitable[str]]
 Begin = Callable[[Mapping[str, Any], SpectatorOutbox, Who], "StaffTalk"]
 Describe = Callable[[str], Awaitable[Mapping[str, Any]]]
+IsOver = Callable[[str], Awaitable[bool]]
+"""Whether a trial has ended, as it is stored; raises NotFound for one that there never was."""
 
 
 class StaffEndpoint:
@@ -93,8 +102,26 @@ class StaffTalk(GreetedTalk):
             self.act(str(name)[:40], record)
 
     async def _begin(self) -> None:
+        """Speak for as long as the account is in order; a storage that is away is no refusal."""
         await self.identify()
-        await self.begin()
+        telling = asyncio.ensure_future(self.begin())
+        try:
+            while not self.outbox.closing.done():
+                ends = {self.outbox.closing} if telling.done() else {self.outbox.closing, telling}
+                await asyncio.wait(ends, timeout=IDENTIFY_EVERY_S, return_when=FIRST_COMPLETED)
+                if telling.done():
+                    telling.result()
+                await self._identify_again()
+        finally:
+            telling.cancel()
+
+    async def _identify_again(self) -> None:
+        try:
+            await self.identify()
+        except Refused:
+            raise
+        except StudyError:
+            logger.info("staff could not be identified again; their socket stays open")
 
 
 class PeopleTalk(StaffTalk):
@@ -118,19 +145,24 @@ class PeopleTalk(StaffTalk):
 class SpectatorTalk(StaffTalk):
     """Shows one running trial as its participant's page is shown it."""
 
-    def __init__(self, outbox: SpectatorOutbox, who: Who, hall: Hall, trial_id: str) -> None:
+    def __init__(
+        self, outbox: SpectatorOutbox, who: Who, hall: Hall, trial_id: str, is_over: IsOver
+    ) -> None:
         super().__init__(outbox, who)
         self._hall = hall
         self._trial_id = trial_id
+        self._is_over = is_over
         self._room: Room | None = None
 
     async def begin(self) -> None:
-        """Join the audience."""
+        """Join the audience; of a trial that has ended there is only the replay."""
         self._room = self._hall.rooms.get(self._trial_id)
-        if self._room is None:
-            self.turn_away(CloseCode.TRY_LATER, "this trial is not running at the moment")
-        else:
+        if self._room is not None:
             self._room.watch(self.outbox)
+        elif await self._is_over(self._trial_id):
+            self.turn_away(CloseCode.NO_TRIAL, "this trial is over")
+        else:
+            self.turn_away(CloseCode.TRY_LATER, "this trial is not running at the moment")
 
     def end(self, code: int) -> None:
         """Leave the audience that was joined, whatever room has this trial now."""

@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from fastapi import APIRouter
-from starlette.responses import Response, StreamingResponse
+from starlette.responses import Response
 
 from server.deps import AdminDeskDep, Services
 from server.desks.policies import needs_confirmation
-from server.desks.trials import utc_now
 from server.export.bundle import ExportOptions
-from server.export.process import begin_export
+from server.export.download import answer_download
 from server.pages.admin_frame import FrameDep
-from server.store.users import add_audit
 from study.config import Study
 
 router = APIRouter(prefix="/admin", include_in_schema=False)
@@ -38,26 +36,11 @@ async def show_overview(frame: FrameDep, desk: AdminDeskDep) -> Response:
 @router.get("/export")
 async def download_export(frame: FrameDep, telemetry: str = "", panel_ids: str = "") -> Response:
     """The export as a zip, written while it is sent."""
-    study, mode = frame.study, frame.mode
-    options = ExportOptions(study.study_id, mode or None, bool(telemetry), bool(panel_ids))
-    with_more = "".join(
-        text
-        for wanted, text in (
-            (options.telemetry, ", with telemetry"),
-            (options.panel_ids, ", with panel ids"),
-        )
-        if wanted
+    options = ExportOptions(
+        frame.study.study_id, frame.mode or None, bool(telemetry), bool(panel_ids)
     )
-    async with frame.services.database.writing() as session:
-        detail = f"{study.study_id}, {mode or 'all modes'}{with_more}"
-        await add_audit(session, frame.user.name, "export downloaded", detail, utc_now())
-    pieces = await begin_export(frame.services.settings, options)
-    name = f"{study.study_id}-{mode or 'all'}-{utc_now():%Y%m%dT%H%M%SZ}.zip"
-    return StreamingResponse(
-        pieces,
-        media_type="application/zip",
-        headers={"Content-Disposition": f'attachment; filename="{name}"'},
-    )
+    services = frame.services
+    return await answer_download(services.settings, services.audit, options, frame.user.name)
 
 
 async def _policy_values(services: Services, study: Study) -> dict[str, Any] | None:

@@ -10,8 +10,6 @@ from starlette.responses import RedirectResponse, Response
 from server.dashboard.people import describe_people
 from server.deps import AdminDep, AdminDeskDep, FormDep, ServicesDep
 from server.pages.admin_frame import FrameDep
-from server.store.participants import read_participant
-from server.store.trials import TrialRecord, UnknownTrial, read_trial
 from study.errors import InvalidValue
 
 router = APIRouter(prefix="/admin", include_in_schema=False)
@@ -31,7 +29,7 @@ async def watch_trial(
     trial: str, services: ServicesDep, user: AdminDep, desk: AdminDeskDep
 ) -> Response:
     """A running trial in 3D; one that is not running leads to its replay."""
-    record, code = await _find(services, trial)
+    record, code = await services.stories.find_trial(trial)
     if desk.watch.describe(trial) is None and record.status != "open":
         return RedirectResponse(f"/admin/replay/{trial}", 303)
     values = {
@@ -40,7 +38,6 @@ async def watch_trial(
         "code": code,
         "is_replay": False,
         "minutes": MINUTES,
-        "state": desk.watch.describe(trial),
     }
     return services.renderer.page("admin-watch.html", values)
 
@@ -48,8 +45,8 @@ async def watch_trial(
 @router.get("/replay/{trial}")
 async def replay_trial(trial: str, services: ServicesDep, user: AdminDep) -> Response:
     """A stored trial, re-simulated from its journal."""
-    record, code = await _find(services, trial)
-    values = {"user": user, "trial": record, "code": code, "is_replay": True, "state": None}
+    record, code = await services.stories.find_trial(trial)
+    values = {"user": user, "trial": record, "code": code, "is_replay": True}
     return services.renderer.page("admin-watch.html", values | {"minutes": ()})
 
 
@@ -58,7 +55,7 @@ async def note_moment(
     trial: str, form: FormDep, services: ServicesDep, user: AdminDep, desk: AdminDeskDep
 ) -> Response:
     """Keep a note about the moment that is on the screen."""
-    record, _ = await _find(services, trial)
+    record, _ = await services.stories.find_trial(trial)
     tick = form.get("tick", "")
     if not _TICK.fullmatch(tick):
         raise InvalidValue(
@@ -74,19 +71,10 @@ async def extend_time(
     trial: str, form: FormDep, services: ServicesDep, user: AdminDep, desk: AdminDeskDep
 ) -> Response:
     """Wait longer for an absent participant."""
-    record, _ = await _find(services, trial)
+    record, _ = await services.stories.find_trial(trial)
     minutes = form.get("minutes", "")
     if minutes not in map(str, MINUTES):
         known = ", ".join(map(str, MINUTES))
         raise InvalidValue(f"“{minutes[:20]}” is no choice", next_step=f"Choose one of {known}.")
     await desk.extend(record.id, int(minutes), user.name)
     return RedirectResponse(f"/admin/live/{record.id}", 303)
-
-
-async def _find(services: ServicesDep, trial_id: str) -> tuple[TrialRecord, str]:
-    """A participant's trial and the participant's code; raises `UnknownTrial`."""
-    async with services.database.reading() as session:
-        record = await read_trial(session, trial_id)
-        if record.participant_id is None:
-            raise UnknownTrial(trial_id)
-        return record, (await read_participant(session, record.participant_id)).code

@@ -12,9 +12,7 @@ from server.deps import AdminDeskDep
 from server.desks.participants import Visit
 from server.pages.admin_frame import FrameDep
 from server.pages.views import View, view_step
-from server.store.dashboard import count_crowds
 from server.store.participants import ParticipantRecord
-from server.store.studies import list_entries
 from study.config import Study
 from study.protocol.checklist import Surroundings, check_launch
 from study.protocol.flow import Progress, UnknownStep
@@ -30,11 +28,8 @@ _LONG_AGO = datetime(2000, 1, 1, tzinfo=UTC)
 async def show_study(frame: FrameDep, desk: AdminDeskDep, request: Request) -> Response:
     """Versions, checklist and the pages as participants see them."""
     study = frame.study
-    async with frame.services.database.reading() as session:
-        versions = await list_entries(session, study.study_id)
-        crowds = await count_crowds(session, study.study_id)
+    versions, tried = await frame.services.data.list_versions(study.study_id)
     active = await frame.services.policies.find_active(study)
-    tried = sum(c.number for c in crowds if c.status == "completed" and c.mode != "live")
     around = Surroundings(
         tried=tried,
         policy_origin=None if active is None else active.policy.origin,

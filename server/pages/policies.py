@@ -176,7 +176,7 @@ def _row(entry: PolicyEntry, shipped: str) -> dict[str, Any]:
         "runs": entry.runs,
         "run_id": entry.run_id,
         "iteration": entry.iteration,
-        "scores": {name.replace("_", " "): value for name, value in training["scores"].items()},
+        "scores": {_score(name): value for name, value in training["scores"].items()},
         "trials": entry.trials,
         "studies": entry.studies,
         "added_at": moment(entry.added_at),
@@ -192,15 +192,25 @@ def _details(policy: Policy) -> dict[str, str]:
         "data (SHA-256)": training["data_sha256"],
         "seed": str(training["seed"]),
         "settings": _listed(training["settings"]),
-        "scores": _listed(training["scores"]),
+        "scores before it": _listed({_score(k): v for k, v in training["scores"].items()}),
         "libraries": _listed(training["libraries"]),
     }
 
 
+def _score(name: str) -> str:
+    """A score's name for people: `off_rate_before` is the off rate of the iterations before."""
+    return name.removesuffix("_before").replace("_", " ")
+
+
 def _listed(record: Mapping[str, Any]) -> str:
-    return (
-        ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in record.items()) or "none"
+    """Names and values as a text; a record within the record stands in brackets."""
+    parts = (
+        f"{name.replace('_', ' ')} ({_listed(value)})"
+        if isinstance(value, Mapping)
+        else f"{name.replace('_', ' ')} {value}"
+        for name, value in record.items()
     )
+    return ", ".join(parts) or "none"
 
 
 def _capital(sentence: str) -> str:

@@ -9,10 +9,9 @@ from starlette.responses import RedirectResponse, Response
 
 from server.deps import FormDep, ServicesDep, StaffDep, find_staff
 from server.desks.accounts import check_password
-from server.desks.trials import utc_now
 from server.problems import TooOften, problem_of
 from server.signin import COOKIE, SESSION_S
-from server.store.users import StaffRecord, add_audit
+from server.store.users import StaffRecord
 
 router = APIRouter(include_in_schema=False)
 _HOMES = {"admin": "/admin", "expert": "/expert"}
@@ -40,9 +39,8 @@ async def sign_in(request: Request, form: FormDep, services: ServicesDep) -> Res
         page.headers["Retry-After"] = str(error.wait_s)
         return page
     user = await check_password(services.database, name, password)
-    async with services.database.writing() as session:
-        action = "signed in" if user else "sign-in refused"
-        await add_audit(session, user.name if user else name or "-", action, "", utc_now())
+    action = "signed in" if user else "sign-in refused"
+    await services.audit.note(user.name if user else name or "-", action)
     if user is None:
         return _login_page(services, name, "Name or password is wrong. Please try again.", 401)
     answer = RedirectResponse(_HOMES[user.role], 303)
@@ -60,8 +58,7 @@ async def sign_in(request: Request, form: FormDep, services: ServicesDep) -> Res
 @router.post("/logout")
 async def sign_out(services: ServicesDep, user: StaffDep) -> Response:
     """Forget the sign-in in this browser."""
-    async with services.database.writing() as session:
-        await add_audit(session, user.name, "signed out", "", utc_now())
+    await services.audit.note(user.name, "signed out")
     answer = RedirectResponse("/login", 303)
     answer.delete_cookie(COOKIE, httponly=True, samesite="lax")
     return answer

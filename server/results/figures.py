@@ -44,7 +44,7 @@ def draw_figures(found: Findings) -> dict[str, Chart]:
     )
     charts["sides"] = draw_forest(
         [Entry(side.name, f"{last} minus ARROCH", side.pair.seconds) for side in found.sides],
-        title="Other experts, classifiers and pairs",
+        title=f"{last} minus ARROCH with other experts, classifiers and pairs",
         x_label=SHORTER,
         mark=SIMULATED,
     )

@@ -46,7 +46,7 @@ def write_report(found: Findings, size: Size, versions: Mapping[str, str], pictu
         _head(found, size, versions),
         _claim_one(found, pictures),
         _claim_two(found, pictures),
-        _claim_three(found, size, pictures),
+        _claim_three(found, pictures),
         _sides(found, pictures),
         _sensitivity(found, pictures),
         _limits(found, size),
@@ -71,12 +71,27 @@ stands in [simulated-people.md](simulated-people.md).
 Size: scale `{size.scale}`, {size.iterations} iterations, {size.runs} learning runs for each box
 mode, {size.trials} trials on common seeds from {size.first_seed}. Versions: {libraries}.
 
+{_wrap(_terms(found, size))}
+
 {_wrap(RULES)}
 
 Square brackets hold 95 % bootstrap intervals over learning runs and trials drawn apart. With so
 few learning runs they are somewhat too narrow. There are no p-values: the number of simulated
 teams is ours to choose.
 """
+
+
+def _terms(found: Findings, size: Size) -> str:
+    """What the words of the page mean that are no common ones."""
+    last = found.modes[0].steps[-1][0]
+    after = ", ".join(str(point) for point in points(size))
+    return (
+        f"P1 to {last} are the policies after {after} iterations, so P1 shows everything and "
+        f"{last} is what was learned. With boxes that `follow`, each of the expert's checkboxes "
+        "takes the policy's new proposals and the expert corrects; with `independent` ones it "
+        "keeps what the expert set last. *Waiting* is the time that all robots of a trial "
+        "stood at a station, added up."
+    )
 
 
 def _claim_one(found: Findings, pictures: str) -> str:
@@ -131,10 +146,8 @@ def _claim_two(found: Findings, pictures: str) -> str:
     return "\n".join([*lines, ""])
 
 
-def _claim_three(found: Findings, size: Size, pictures: str) -> str:
-    after = ", ".join(str(point) for point in points(size))
+def _claim_three(found: Findings, pictures: str) -> str:
     lines = ["## (iii) Waiting from P1 to P6", ""]
-    lines += [*_lines(f"P1 to P6 are the policies after {after} iterations."), ""]
     for mode in found.modes:
         lines += [*_lines(f"Boxes `{mode.name}`: {tell_left(mode)}"), ""]
     rows = [

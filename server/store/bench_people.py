@@ -149,7 +149,8 @@ def _change(number: int) -> dict[str, Any]:
 
 
 def _answers(number: int, study: Study) -> list[dict[str, Any]]:
-    asked = [("demographics", item.name) for item in study.demographics.items]
+    asked = [("consent", item.name) for item in study.consent.items]
+    asked += [("demographics", item.name) for item in study.demographics.items]
     asked += [(f"questionnaire-{k}", f"Q{q}") for k in (1, 2, 3) for q in range(1, 7)]
     asked += [("comments", "remarks")]
     return [
@@ -179,6 +180,7 @@ def _trials(number: int, study: Study) -> list[dict[str, Any]]:
             "status": "completed",
             "phase": "finished",
             "ticks": 9372,
+            "state_hash": b"\x05" * 8,
             "opened_at": START,
             "ended_at": START,
         }

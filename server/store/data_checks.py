@@ -11,6 +11,7 @@ from sqlalchemy.ext.asyncio import AsyncSession
 from server.store.tables import (
     Participant,
     Response,
+    StaffNote,
     StudyVersion,
     Trial,
     TrialEvent,
@@ -40,6 +41,7 @@ async def count_rows(session: AsyncSession, study_id: str) -> dict[str, dict[str
         "legs": trials.join(TrialLeg, TrialLeg.trial_id == Trial.id),
         "quality": trials.join(TrialQuality, TrialQuality.trial_id == Trial.id),
         "events": events,
+        "notes": people.join(StaffNote, StaffNote.participant_id == Participant.id),
     }
     return {
         name: {mode: int(n) for mode, n in await session.execute(q.group_by(Participant.mode))}

@@ -23,6 +23,7 @@ from server.store.tables import (
     Participant,
     ParticipantChange,
     Response,
+    StaffNote,
     StudyVersion,
     Trial,
     TrialEvent,
@@ -161,6 +162,25 @@ async def panel_ids_of(session: AsyncSession, people: Collection[Row]) -> list[R
         .order_by(PanelId.participant_id, PanelId.name)
     )
     return [_origin(known[row["participant_id"]]) | row for row in await _fetch(session, query)]
+
+
+async def notes_of(session: AsyncSession, people: Collection[Row]) -> list[Row]:
+    """What staff noted about them, by person in the order written; by whom is not told."""
+    kept = _kept(people)
+    query = (
+        select(
+            StaffNote.participant_id,
+            StaffNote.trial_id,
+            Trial.step,
+            StaffNote.tick,
+            StaffNote.text,
+            StaffNote.at.label("written_at"),
+        )
+        .join(Trial, Trial.id == StaffNote.trial_id, isouter=True)
+        .where(StaffNote.participant_id.in_(list(kept)))
+        .order_by(StaffNote.participant_id, StaffNote.id)
+    )
+    return [_origin(kept[row["participant_id"]]) | row for row in await _fetch(session, query)]
 
 
 async def parts_of(session: AsyncSession, trials: Sequence[Row], part: Part) -> list[Row]:

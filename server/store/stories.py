@@ -11,7 +11,6 @@ from sqlalchemy.ext.asyncio import AsyncSession
 
 from server.store.dashboard import LedgerEntry, ledger_rows
 from server.store.tables import (
-    AuditEntry,
     Claim,
     Response,
     StaffNote,
@@ -33,14 +32,6 @@ class Note:
     text: str
     trial_id: str | None
     tick: int | None
-
-
-@dataclass(frozen=True)
-class AuditWanted:
-    """Which entries of the audit a list shows; empty texts stand for all."""
-
-    user_name: str = ""
-    text: str = ""
 
 
 async def list_trials(session: AsyncSession, participant_id: int) -> list[Row]:
@@ -115,33 +106,3 @@ async def list_notes(session: AsyncSession, participant_id: int) -> list[Note]:
         select(StaffNote).where(StaffNote.participant_id == participant_id).order_by(StaffNote.id)
     )
     return [Note(row.at, row.user_name, row.text, row.trial_id, row.tick) for row in rows]
-
-
-async def search_audit(
-    session: AsyncSession, wanted: AuditWanted, *, offset: int, limit: int
-) -> tuple[list[tuple[datetime, str, str, str]], int]:
-    """One page of the audit, newest first, and how many entries there are."""
-    here = []
-    if wanted.user_name:
-        here.append(AuditEntry.user_name == wanted.user_name)
-    if wanted.text:
-        text = AuditEntry.action + " " + AuditEntry.detail
-        here.append(text.icontains(wanted.text.strip(), autoescape=True))
-    count = await session.scalar(select(func.count()).select_from(AuditEntry).where(*here))
-    rows = await session.execute(
-        select(AuditEntry.at, AuditEntry.user_name, AuditEntry.action, AuditEntry.detail)
-        .where(*here)
-        .order_by(AuditEntry.id.desc())
-        .offset(offset)
-        .limit(limit)
-    )
-    return [(at, name, action, detail) for at, name, action, detail in rows], count or 0
-
-
-async def list_audited(session: AsyncSession) -> list[str]:
-    """Everybody who ever did something, by name."""
-    return list(
-        await session.scalars(
-            select(AuditEntry.user_name).distinct().order_by(AuditEntry.user_name)
-        )
-    )

@@ -10,7 +10,7 @@ from typing import Literal, cast
 from sqlalchemy import func, select, update
 from sqlalchemy.ext.asyncio import AsyncSession
 
-from server.store.tables import AuditEntry, User
+from server.store.tables import User
 
 Role = Literal["admin", "expert"]
 
@@ -60,24 +60,6 @@ async def count_admins(session: AsyncSession) -> int:
     """Number of accounts with the role admin."""
     count = await session.scalar(select(func.count()).select_from(User).where(User.role == "admin"))
     return count or 0
-
-
-async def add_audit(
-    session: AsyncSession, user_name: str, action: str, detail: str, now: datetime
-) -> None:
-    """Note what a member of staff did."""
-    session.add(AuditEntry(at=now, user_name=user_name[:64], action=action, detail=detail[:200]))
-    await session.flush()
-
-
-async def list_audit(session: AsyncSession, limit: int) -> list[tuple[datetime, str, str, str]]:
-    """The newest entries: (when, who, what, detail)."""
-    rows = await session.execute(
-        select(AuditEntry.at, AuditEntry.user_name, AuditEntry.action, AuditEntry.detail)
-        .order_by(AuditEntry.id.desc())
-        .limit(limit)
-    )
-    return [(at, name, action, detail) for at, name, action, detail in rows]
 
 
 def _record(row: User | None) -> StaffRecord | None:

@@ -131,7 +131,7 @@ def change(life: Life, act: Act) -> Life:
 
 def check_reason(reason: str) -> str:
     """A reason in one line; raises InvalidValue if it is empty or too long."""
-    text = " ".join(reason.split())
+    text = " ".join(reason.replace("\x00", "").split())
     if not text or len(text) > LONGEST_REASON:
         raise InvalidValue(
             f"a reason of 1 to {LONGEST_REASON} characters is needed, this one has {len(text)}",

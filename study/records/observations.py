@@ -54,6 +54,28 @@ QUALITY = Table(
     refers=(("trial_id", "trials"),),
 )
 
+NOTES = Table(
+    "notes",
+    "one row per note that staff wrote about a participant or about a moment of a trial",
+    (
+        CODE,
+        Column("number", "integer", "number of the note among those of the participant, from 0"),
+        Column(
+            "trial_id",
+            "text",
+            "the trial, the practice included; empty for a note about the participant",
+        ),
+        Column("step", "text", "the trial's step: practice, or trial- and the position"),
+        Column("tick", "integer", "step of the trial's world that it is about, of 1/30 s"),
+        Column("time_s", "number", "the same in seconds from the start of the trial", "s"),
+        Column("text", "text", "what was written; by whom stands in the audit log alone"),
+        Column("written_at", "time", "when it was kept"),
+        *ORIGIN,
+    ),
+    key=("participant_code", "number"),
+    refers=(("participant_code", "participants"),),
+)
+
 EXPERT_LABELS = Table(
     "expert_labels",
     "one row per pair of the live learning runs that taught the policies of these trials",

@@ -31,12 +31,13 @@ from study.records.columns import (
     STUDY,
     TRIAL,
 )
-from study.records.observations import EVENTS, EXPERT_LABELS, QUALITY
+from study.records.observations import EVENTS, EXPERT_LABELS, NOTES, QUALITY
 
 __all__ = (
     "EVENTS",
     "EXPERT_LABELS",
     "LEGS",
+    "NOTES",
     "PARTICIPANTS",
     "QUALITY",
     "RESPONSES",
@@ -182,6 +183,7 @@ TABLES: Mapping[str, Table] = MappingProxyType(
             EVENTS,
             QUALITY,
             EXPERT_LABELS,
+            NOTES,
         )
     }
 )

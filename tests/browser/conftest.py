@@ -65,11 +65,16 @@ class Server:
     environment: dict[str, str]
     process: subprocess.Popen[str]
 
-    def varil(self, *words: str) -> str:
+    def varil(self, *words: str, stdin: str = "") -> str:
         """Run a `varil` verb on the same data; returns its output."""
         command = [str(Path(sys.executable).parent / "varil"), *words]
         done = subprocess.run(
-            command, env=self.environment, capture_output=True, text=True, check=False
+            command,
+            env=self.environment,
+            input=stdin,
+            capture_output=True,
+            text=True,
+            check=False,
         )
         assert done.returncode == 0, done.stderr
         return done.stdout
@@ -122,6 +127,12 @@ def walk_server(start_server: Callable[..., Server]) -> Server:
 def practice_server(start_server: Callable[..., Server]) -> Server:
     """A study with small halls, in real time."""
     return start_server("walk")
+
+
+@pytest.fixture(scope="session")
+def learning_server(start_server: Callable[..., Server]) -> Server:
+    """A server for live learning runs, whose worlds run four times as fast as real time."""
+    return start_server("walk", VARIL_TIME_SCALE="4")
 
 
 @pytest.fixture(scope="module")

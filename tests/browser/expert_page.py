@@ -27,6 +27,36 @@ CALM = {
 }  # fmt: skip
 
 
+def sign_in(page: Page, url: str, name: str, password: str) -> None:
+    """Sign in by the form."""
+    page.goto(f"{url}/login")
+    page.get_by_label("Name").fill(name)
+    page.get_by_label("Password").fill(password)
+    page.get_by_role("button", name="Sign in").click()
+
+
+def start_run(page: Page, url: str, **values: str) -> None:
+    """Start a run in the hall `small` with independent boxes by the form, and wait for its world.
+
+    `values`: more of the form's fields by name.
+    """
+    page.goto(f"{url}/expert")
+    if not page.get_by_role("button", name="Start the run").is_visible():
+        page.get_by_text("Start a new run").click()
+    for name, value in {"scale": "small", "box_mode": "independent", **values}.items():
+        field = page.locator(f"[name={name}]")
+        is_choice = field.evaluate("field => field.matches('select')")
+        field.select_option(value) if is_choice else field.fill(value)
+    page.get_by_role("button", name="Start the run").click()
+    page.wait_for_function("() => Number(document.querySelector('#stage')?.dataset.frames) > 0")
+
+
+def facts(page: Page) -> dict[str, Any]:
+    """What the expert's page thinks of itself."""
+    data: dict[str, Any] = page.evaluate("() => ({...document.querySelector('#stage').dataset})")
+    return data
+
+
 def open_calm_run(page: Page, fake: Server) -> None:
     """Bring the page to the calm run, with every box on, nothing waiting, the first row chosen."""
     turn(fake, **CALM)

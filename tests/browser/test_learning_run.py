@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import groupby
-from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page, expect
 
 from browser.conftest import ADMIN_PASSWORD, TAP, Server
+from browser.expert_page import facts, sign_in, start_run
 
 ROBOTS, STATIONS = 6, 4
 LIVE, GHOST, TRAJECTORY, BALLOON = 1, 2, 4, 1
@@ -33,12 +33,6 @@ SHOWN = """([agent, bits, robots]) => {
 }"""
 
 
-@pytest.fixture(scope="module")
-def server(start_server: Callable[..., Server]) -> Server:
-    """A server whose worlds run four times as fast."""
-    return start_server("walk", VARIL_TIME_SCALE="4")
-
-
 @pytest.fixture
 def windows(browser: Browser) -> Iterator[tuple[Page, Page]]:
     """Two windows of two people, the worker's and the expert's, who share nothing."""
@@ -52,17 +46,10 @@ def windows(browser: Browser) -> Iterator[tuple[Page, Page]]:
         context.close()
 
 
-def start_run(page: Page, server: Server) -> str:
+def begin(page: Page, server: Server) -> str:
     """Sign in and start a run by its form; returns the worker's link."""
-    page.goto(f"{server.url}/login")
-    page.get_by_label("Name").fill("admin")
-    page.get_by_label("Password").fill(ADMIN_PASSWORD)
-    page.get_by_role("button", name="Sign in").click()
-    page.goto(f"{server.url}/expert")
-    for name, value in (("scale", "small"), ("worker", "person"), ("box_mode", "independent")):
-        page.locator(f"select[name={name}]").select_option(value)
-    page.get_by_role("button", name="Start the run").click()
-    page.wait_for_function("() => Number(document.querySelector('#stage')?.dataset.frames) > 0")
+    sign_in(page, server.url, "admin", ADMIN_PASSWORD)
+    start_run(page, server.url, worker="person")
     expect(page.locator(".notices > .note")).to_contain_text("Waiting for the worker")
     check_with_axe(page)
     link = page.locator("#worker-link a").get_attribute("href")
@@ -74,12 +61,6 @@ def check_with_axe(page: Page) -> None:
     """Nothing on the page bars anybody."""
     found = Axe().run(page).response["violations"]
     assert [(v["id"], [node["target"] for node in v["nodes"]]) for v in found] == []
-
-
-def facts(page: Page) -> dict[str, Any]:
-    """What the expert's page thinks of itself."""
-    data: dict[str, Any] = page.evaluate("() => ({...document.querySelector('#stage').dataset})")
-    return data
 
 
 def apply(masks: list[int], gestures: list[tuple[str, tuple[int, int]]]) -> list[int]:
@@ -102,11 +83,11 @@ def teach(worker: Page, expert: Page) -> None:
 
 
 def test_what_an_expert_sets_is_seen_learned_and_stored(
-    server: Server, windows: tuple[Page, Page]
+    learning_server: Server, windows: tuple[Page, Page]
 ) -> None:
     """Toggles arrive, iterations advance, the view changes, the pairs equal the clicks."""
     worker, expert = windows
-    worker.goto(start_run(expert, server))
+    worker.goto(begin(expert, learning_server))
     expert.wait_for_function("() => stage.dataset.phase === 'running'")
     expect(expert.locator("#recording")).to_have_text("Recording")
     teach(worker, expert)

@@ -6,6 +6,7 @@ import { Board, COLUMNS } from "../../web/static/js/expert/board.js";
 import { countDown, whyNotRecording } from "../../web/static/js/expert/countdown.js";
 import { CurveBook } from "../../web/static/js/expert/curves.js";
 import { Edits } from "../../web/static/js/expert/edits.js";
+import { describeLead } from "../../web/static/js/expert/lead.js";
 import { countWaiting, StateTimes } from "../../web/static/js/expert/phases.js";
 import { decodeExpertText, encodeConfirm, encodeEdit, encodeExpertHello } from "../../web/static/js/net/expert_messages.js";
 import { WireError } from "../../web/static/js/net/messages.js";
@@ -95,6 +96,24 @@ test("undo sends the inverse of the last own gestures, one after the other", () 
   assert.equal(edits.seq, 4, "an undo is a gesture of its own");
 });
 
+test("who goes over to other boxes takes nothing back that was done to the former ones", () => {
+  const { edits, board } = makeBoard();
+  edits.edit(NOW, board.toggleCell(0, 4));
+  edits.forgetUndo();
+  assert.equal(edits.undo(NOW), null);
+  assert.equal(edits.pending.length, 1, "what was done goes on to be stored");
+});
+
+test("a change of the lead is told to who gets it, who gives it and who looks on, and only then", () => {
+  const present = [{ name: "anna", client: "a" }, { name: "ben", client: "b" }];
+  const tell = (/** @type {string | null | undefined} */ former, /** @type {string | null} */ lead) => describeLead(former, lead, "a", present);
+  for (const [former, lead] of /** @type {[string | null | undefined, string | null][]} */ ([[undefined, "a"], [undefined, "b"], ["a", "a"], ["b", null]])) assert.equal(tell(former, lead), "");
+  assert.match(tell("b", "a"), /^You have the lead/);
+  assert.match(tell(null, "a"), /^You have the lead/);
+  assert.match(tell("a", "b"), /^ben has the lead: your settings are kept apart/);
+  assert.match(tell(null, "b"), /^ben has the lead now/);
+});
+
 test("rows and columns go off only when all of them is on, and change only what differs", () => {
   const { edits, board } = makeBoard();
   assert.deepEqual(board.toggleRow(0), [[0, 0, 7]]);
@@ -112,7 +131,7 @@ test("the grid tells what is displayed and what draws apart from what is set", (
   board.show({ robots: Uint8Array.of(4, 0), stations: Uint8Array.of(1) });
   assert.deepEqual([board.cell(0, 4).shown, board.cell(0, 1).shown, board.cell(1, 4).drawn, board.cell(2, 1)],
     [true, false, false, { on: true, shown: true, drawn: false, proposed: false, pending: false }]);
-  assert.equal(board.ownAgents, 2);
+  assert.equal(board.shownByExpert, 2);
 });
 
 test("the countdown ends at the next snapshot and never runs over", () => {
@@ -122,10 +141,11 @@ test("the countdown ends at the next snapshot and never runs over", () => {
 });
 
 test("the page says why no pairs are taken, the gravest reason first", () => {
-  const fine = { connected: true, phase: "running", ended: false, lead: "a", client: "a", recording: true, worker: /** @type {const} */ ("person") };
+  const fine = { connected: true, phase: "running", ended: false, lead: "a", recording: true, worker: /** @type {const} */ ("person") };
   assert.equal(whyNotRecording(fine), "");
   assert.equal(whyNotRecording({ ...fine, recording: false }), "the lead is away");
   assert.equal(whyNotRecording({ ...fine, lead: null }), "nobody has the lead");
+  assert.equal(whyNotRecording({ ...fine, lead: undefined }), "starting");
   assert.equal(whyNotRecording({ ...fine, phase: "paused", lead: null }), "the worker is away");
   assert.equal(whyNotRecording({ ...fine, connected: false, phase: "paused" }), "no connection");
   assert.equal(whyNotRecording({ ...fine, connected: false, ended: true }), "the run has ended");

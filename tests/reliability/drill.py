@@ -23,6 +23,7 @@ from server.rehearsal.player import Halls
 from server.rehearsal.site import Site
 from server.replay.run import NothingPlayed, load_trial, replay_trial
 from server.settings import Settings
+from study.records.cells import neutralise_formula
 from tests.postgres import PostgresServer
 from tests.reliability.server_process import PASSWORD, ServerProcess
 from tests.reliability.stubborn import Outages, StubbornPerson
@@ -155,7 +156,7 @@ async def _look_at_answers(settings: Settings, cast: list[StubbornPerson], found
             found.forms_taken += 1
             for item, given in form.items():
                 kept = stored.get((person.story.code, step, item))
-                if (step, item) in asked and kept != given.strip():
+                if (step, item) in asked and kept != neutralise_formula(given.strip()):
                     found.answers_lost.append(
                         f"{person.story.code} {step} {item}: {given!r} was kept as {kept!r}"
                     )

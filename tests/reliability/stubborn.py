@@ -19,7 +19,6 @@ from server.rehearsal.player import Halls, Player
 from server.rehearsal.site import Reply, Site, SiteError
 
 STEADY = Role("stays", 1.0, reloads=False, is_late=False)
-BACK_WITHIN_S = 120.0
 LOOK_EVERY_S = 0.05
 AWAY = (502, 503)
 
@@ -81,14 +80,12 @@ class StubbornPerson(Person):
 
     async def take_part(self) -> None:
         """Until the last page; an error without an outage is noted and ends it."""
-        deadline_s = time.monotonic() + BACK_WITHIN_S
         while not self.story.end:
             began_s = time.monotonic()
             try:
                 await self._do_page()
-                deadline_s = time.monotonic() + BACK_WITHIN_S
             except SiteError as error:
-                if not self._outages.excuse(began_s) or time.monotonic() > deadline_s:
+                if not self._outages.excuse(began_s):
                     self._complain(error.what)
                     return
                 await asyncio.sleep(LOOK_EVERY_S)

@@ -39,7 +39,7 @@ def make_policy(name: str, origin: Any = "simulated", action: int = 3) -> Policy
     """A sound policy that always does the same, as if it had been learned."""
     training = {
         "data_sha256": "ab" * 32,
-        "settings": {"iterations": 240},
+        "settings": {"iterations": 240, "habits": {"wish": "inform", "replaced": {}}},
         "seed": 1,
         "scores": {"hamming_rate_before": 0.0125},
         "libraries": {"numpy": "2.4"},

@@ -14,7 +14,8 @@ from starlette.testclient import TestClient
 
 from server.live.ports import TrialResult
 from server.signin import COOKIE
-from server.store.users import find_user, list_audit, store_user
+from server.store.audit import AuditWanted, search_audit
+from server.store.users import find_user, store_user
 from study.warehouse.measures import Leg, RobotMeasures, TrialMeasures
 
 Status = Literal["completed", "timed_out", "abandoned"]
@@ -154,7 +155,8 @@ def audit(client: TestClient, app: FastAPI) -> Callable[[], list[tuple[str, str,
 
     async def read() -> list[tuple[str, str, str]]:
         async with app.state.services.database.reading() as session:
-            return [entry[1:] for entry in reversed(await list_audit(session, 100))]
+            found, _ = await search_audit(session, AuditWanted(), offset=0, limit=100)
+            return [entry[1:] for entry in reversed(found)]
 
     def listed() -> list[tuple[str, str, str]]:
         assert client.portal is not None

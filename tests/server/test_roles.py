@@ -26,6 +26,7 @@ OPEN_TO_ALL = (
 )  # fmt: skip
 FOR_EXPERTS = ("/expert", "/logout")
 FOR_ADMINS = ("/admin", "/api")
+HELLO = {"type": "hello", "version": 1, "client": "0123456789abcdef", "last_seq": 0}
 PLACES = {
     "study_id": "demo",
     "token": "x" * 32,
@@ -126,12 +127,30 @@ def test_experts_pages_hold_nothing_of_participants(
             assert 'href="/admin' not in page
 
 
+def code_of(walker: Any) -> str:
+    desk, portal = walker.app.state.services.participants, walker.client.portal
+    return str(portal.call(desk.look_up, walker.token).participant.code)
+
+
+def hear_all(client: TestClient, path: str, *said: Any) -> list[dict[str, Any]]:
+    """Everything that a socket says until it ends; after each answer it is told the next."""
+    heard: list[dict[str, Any]] = []
+    waiting = list(said or [HELLO])
+    try:
+        with client.websocket_connect(path) as line:
+            while True:
+                if waiting:
+                    line.send_json(waiting.pop(0))
+                heard.append(line.receive_json())
+    except WebSocketDisconnect:
+        return heard
+
+
 def close_code(client: TestClient, path: str, headers: dict[str, str]) -> int:
-    """How an expert's socket ends after its page said hello."""
-    hello = {"type": "hello", "version": 1, "client": "0123456789abcdef", "last_seq": 0}
+    """How staff's socket ends after its page said hello."""
     try:
         with client.websocket_connect(path, headers=headers) as line:
-            line.send_json(hello)
+            line.send_json(HELLO)
             while True:
                 line.receive_text()
     except WebSocketDisconnect as ended:
@@ -153,6 +172,27 @@ def test_sockets_for_administrators_refuse_everybody_else(
     sign_in_as("admin")
     for path in ours:
         assert close_code(client, path, {"origin": "https://evil.example"}) == 4403
+        assert close_code(client, path, {"sec-fetch-site": "cross-site"}) == 4403
+    heard = hear_all(client, "/admin/live/socket?study=demo", HELLO, {"type": "input"})
+    assert [message["rows"] for message in heard] == [[]]
+    for path in ours[1:]:
+        assert close_code(client, path, {}) == 4401, "there is no such trial"
+
+
+def test_sockets_tell_nothing_before_it_is_known_who_asks(
+    client: TestClient, app: FastAPI, sign_in_as: SignIn, walker: Any
+) -> None:
+    """Neither nobody nor an expert hears more than why; a participant's trial is really there."""
+    walker.walk_to("trial-1")
+    trial, code = walker.end_trial(), code_of(walker)
+    paths = ["/admin/live/socket?study=demo", f"/admin/live/{trial}/socket"]
+    paths.append(f"/admin/replay/{trial}/socket")
+    for sign_in in (lambda: None, lambda: sign_in_as("expert")):
+        sign_in()
+        for path in paths:
+            heard = hear_all(client, path)
+            assert [message["type"] for message in heard] == ["error"], path
+            assert code not in str(heard)
 
 
 def test_sockets_for_experts_refuse_everybody_else(

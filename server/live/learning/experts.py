@@ -75,9 +75,13 @@ class Experts:
             self.tell_present(room)
 
     def bring_along(self, room: LearningRoom) -> None:
-        """Everybody who is here joins the trial that begins."""
+        """Everybody who is here joins the trial that begins; before anything is told of it."""
         for seat in self:
             room.record(room.session.join(seat.name, seat.client))
+
+    def show(self, room: LearningRoom) -> None:
+        """Everybody who is here sees the trial that begins."""
+        for seat in self:
             room.watch(seat.sink)
         self.tell_present(room)
         self.tell_state(room)

@@ -85,11 +85,11 @@ class LearningRun:
         await self._services.desk.begin_trial(
             self.run_id, planned.number, planned.setup, planned.start
         )
-        self._planned = None
         scene = begin_scene(self._setup, planned, former)
         self._trainings.send(scene.session)
         scene.session.start(scene.world)
         self._enter(OpenTrial(planned.setup), scene)
+        self._planned = None
 
     async def find_room(self) -> LearningRoom | None:
         """The present trial's room, once it is there; None if the run is held no longer."""
@@ -106,10 +106,11 @@ class LearningRun:
             last = trial.events[-1].at_utc
             absent_s = (self._clock.utc() - last).total_seconds()
             room.resume(max(0.0, absent_s), was_abandoned=False)
+        self.experts.bring_along(room)
         room.attach(self, scene.hands)
         self._services.hall.admit(room)
         if self.is_watched:
-            self.experts.bring_along(room)
+            self.experts.show(room)
             room.bring_worker()
 
     # ---- experts ----------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -64,6 +65,15 @@ async def test_more_time_that_was_not_stored_holds_nowhere(
         await desk_of(site, {trial_id: room}).extend(trial_id, 30, "maria")
     assert room.abandon_after_s == 3600.0
     assert (await site.desk.open_trial(token)).setup.abandon_after_s == 3600.0
+
+
+async def test_what_two_administrators_add_at_once_adds_up(site: Site) -> None:
+    """Neither of them counts from a limit that the other one has just moved."""
+    token, trial_id, room = await open_practice(site)
+    desk = desk_of(site, {trial_id: room})
+    await asyncio.gather(desk.extend(trial_id, 30, "maria"), desk.extend(trial_id, 10, "nora"))
+    assert room.abandon_after_s == 3600.0 + 2400.0
+    assert (await site.desk.open_trial(token)).setup.abandon_after_s == 3600.0 + 2400.0
 
 
 async def test_only_a_running_trial_is_given_more_time(site: Site) -> None:

@@ -8,10 +8,13 @@ import io
 import zipfile
 from collections.abc import Callable
 from itertools import count
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
+from server.dashboard.watch import LiveWatch
 from server.desks.lives import LifeDesk
 from server.desks.participants import ParticipantDesk
+from server.desks.staff import AdminDesk
 from server.desks.trials import StoredTrialDesk
 from server.export.bundle import ExportOptions, stream_export
 from server.live.opening import open_room
@@ -57,6 +60,8 @@ class Site:
         self.desk = StoredTrialDesk(database)
         self.make_result = make_result
         self.staff = LifeDesk(database)
+        nothing_runs = LiveWatch(cast("Any", SimpleNamespace(rooms={})))
+        self.admin = AdminDesk(database, cast("Any", None), nothing_runs, 1.0)
         self.database = database
 
     async def walk(self, steps: int, rating: str, remark: str) -> str:

@@ -47,13 +47,15 @@ async def site(tmp_path: Path, study: Study, make_result: MakeResult) -> Any:
 
 
 async def fill(site: Site) -> str:
-    """One who played and finished, one who withdrew, one erased, one who typed a formula."""
+    """One who played, one who typed a formula, one who withdrew, one erased; notes about all."""
     token = await site.walk(6, "4", "")
     trial_id = await site.play(token)
+    await site.admin.note_trial(trial_id, 90, "+1 for walking", "m")
     await site.walk(15, "5", "=HYPERLINK(1)\nand a second line, with a comma")
     for end in ("withdraw", "erase"):
         other = await site.walk(8, "1", "")
         code = (await site.people.look_up(other)).participant.code
+        await site.admin.note(code, "asked for a pause", "m")
         await (site.people.withdraw(other) if end == "withdraw" else site.staff.erase(code, "m"))
     return trial_id
 
@@ -83,7 +85,8 @@ async def test_frictionless_accepts_the_bundle_with_everything_in_it(
     report = judge(folder / "datapackage.json")
     assert report["valid"], report
     names = {task["name"] for task in report["tasks"]}
-    assert {"wide", "events", "quality", "expert_labels", "panel_ids", "codebook"} <= names
+    assert {"wide", "events", "quality", "expert_labels", "notes", "codebook"} <= names
+    assert "panel_ids" in names
     assert any(name.startswith("telemetry/") for name in names)
     quality = folder / "quality.csv"
     quality.write_text(quality.read_text().replace(",practice,", ",elsewhere,") + "x\n")

@@ -19,7 +19,15 @@ from server.export.items import study_items
 from server.settings import Settings
 from server.store.engine import Database
 from server.store.schema import SchemaMismatch, migrate
-from server.store.tables import Participant, Response, Trial, TrialEvent, TrialQuality, TrialRobot
+from server.store.tables import (
+    Participant,
+    Response,
+    StaffNote,
+    Trial,
+    TrialEvent,
+    TrialQuality,
+    TrialRobot,
+)
 from study.config import Study
 from study.errors import UnknownStudy
 from study.files.demo import paper_study
@@ -63,6 +71,18 @@ async def check_export_equals_database(database: Database) -> None:
         ids = {t.id for t in trials}
         robots = [r for r in await session.scalars(select(TrialRobot)) if r.trial_id in ids]
         answers = [r for r in await session.scalars(select(Response)) if r.participant_id in kept]
+        notes = [n for n in await session.scalars(select(StaffNote)) if n.participant_id in kept]
+    assert sorted(
+        (r["participant_code"], r["trial_id"], r["tick"], r["text"]) for r in tables["notes"]
+    ) == sorted(
+        (
+            people[n.participant_id].code,
+            n.trial_id or "",
+            "" if n.tick is None else str(n.tick),
+            neutralise_formula(n.text),
+        )
+        for n in notes
+    )
     assert {(r["participant_code"], r["status"]) for r in tables["participants"]} == {
         (p.code, p.status) for p in people.values()
     }
@@ -100,6 +120,7 @@ async def add_people(url: str, people: People, study: Study, make_result: MakeRe
     for steps, rating, remark, end in people:
         token = await site.walk(steps, rating, remark)
         code = (await site.people.look_up(token)).participant.code
+        await site.admin.note(code, remark.strip() or "=1+1", "maria")
         if end == "withdrawn":
             await site.people.withdraw(token)
         elif end == "erased":
@@ -141,7 +162,7 @@ async def test_a_whole_participation_on_each_kind_of_database(site: Site) -> Non
     await site.walk(15, "4", "=1+1")
     await check_export_equals_database(site.database)
     tables = await read_bundle(site.database)
-    counts = [1, 3, 6, 9, 3 + 6 + 4 + 18 + 2, 0, 0, 0]
+    counts = [1, 3, 6, 9, 3 + 6 + 4 + 18 + 2, 0, 0, 0, 0]
     assert [len(tables[name]) for name in TABLES] == counts
     (wide,) = tables["wide"]
     assert {wide[f"questionnaire_Q1_{name}"] for name in order_of(tables)} == {"4"}
@@ -180,6 +201,36 @@ async def test_a_played_trial_comes_with_its_events_and_quality(site: Site) -> N
     (row,) = tables["quality"]
     assert (row["trial_id"], row["connections"], row["reports"]) == (trial_id, "1", "0")
     assert (row["idle_s"], row["rtt_median_ms"]) == (repr(quality.idle_s), "")
+
+
+async def test_notes_come_with_their_moments_and_without_their_writers(site: Site) -> None:
+    """About the participant, the practice and a trial, in the order written, formulas tamed; a
+    moment after a trial's last tick is its last."""
+    token = await site.walk(8, "4", "")
+    code = (await site.people.look_up(token)).participant.code
+    async with site.database.reading() as session:
+        trials = {t.step: t.id for t in await session.scalars(select(Trial))}
+    await site.admin.note_trial(trials["trial-1"], 301, "stands still", "maria")
+    await site.admin.note(code, "=SUM(A1)", "nora")
+    await site.admin.note_trial(trials["practice"], 10**8, "lost the pointer", "maria")
+    rows = (await read_bundle(site.database))["notes"]
+    wanted = ("number", "trial_id", "step", "tick", "time_s", "text")
+    assert [tuple(row[name] for name in wanted) for row in rows] == [
+        ("0", trials["trial-1"], "trial-1", "301", "10.033", "stands still"),
+        ("1", "", "", "", "", "'=SUM(A1)"),
+        ("2", trials["practice"], "practice", "3000", "100.0", "lost the pointer"),
+    ]
+    assert {row["participant_code"] for row in rows} == {code}
+    async with site.database.reading() as session:
+        stored = [n.at for n in await session.scalars(select(StaffNote).order_by(StaffNote.id))]
+    assert [row["written_at"][:19] for row in rows] == [
+        at.isoformat(timespec="seconds")[:19] for at in stored
+    ]
+    whole = await export(site.database)
+    with zipfile.ZipFile(io.BytesIO(whole)) as bundle:
+        text = b"".join(bundle.read(name) for name in bundle.namelist())
+    assert b"maria" not in text
+    assert b"nora" not in text
 
 
 async def test_nothing_in_the_export_leads_back_to_a_person(site: Site) -> None:

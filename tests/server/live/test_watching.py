@@ -7,10 +7,16 @@ import json
 from types import SimpleNamespace
 from typing import Any, cast
 
+import pytest
+
+from server.live.opening import open_room
 from server.live.outbox import SpectatorOutbox
+from server.live.ports import OpenTrial
 from server.live.watching import SpectatorTalk
 from server.live.wire import CloseCode
 from server.problems import SignInNeeded
+from server.store.engine import StorageAway
+from tests.server.live.stage import SETUP, FakeClock, Stage, serve_stations
 
 HELLO = json.dumps({"type": "hello", "version": 1})
 
@@ -43,14 +49,25 @@ async def sent_nowhere(message: Any) -> None:
     del message
 
 
-def talk_about(rooms: dict[str, Seats], *, signed_in: bool = True) -> SpectatorTalk:
+def talk_about(
+    rooms: dict[str, Seats], *, signed_in: bool = True, over: bool = False
+) -> SpectatorTalk:
     async def who() -> str:
         if not signed_in:
             raise SignInNeeded
         return "maria"
 
+    async def is_over(trial_id: str) -> bool:
+        assert trial_id == "t"
+        return over
+
     hall = cast("Any", SimpleNamespace(rooms=rooms))
-    return SpectatorTalk(Desk(sent_nowhere), who, hall, "t")
+    return SpectatorTalk(Desk(sent_nowhere), who, hall, "t", is_over)
+
+
+async def open_stage() -> Stage:
+    clock = FakeClock()
+    return Stage(await open_room(OpenTrial(SETUP), clock), clock)
 
 
 async def settle() -> None:
@@ -89,6 +106,69 @@ async def test_a_trial_that_does_not_run_is_said_so() -> None:
     await settle()
     assert cast("Desk", talk.outbox).ended_with == CloseCode.TRY_LATER
     talk.leave(1000)
+
+
+async def test_a_trial_that_has_ended_is_not_waited_for() -> None:
+    """The page is told for good, so that it leads to the replay instead of trying again."""
+    talk = talk_about({}, over=True)
+    talk.hear(HELLO)
+    await settle()
+    assert cast("Desk", talk.outbox).ended_with == CloseCode.NO_TRIAL
+    talk.leave(1000)
+
+
+async def test_who_watches_to_the_end_hears_that_it_is_over_and_is_sent_nowhere() -> None:
+    """The participant's page is told where to go next; a spectator's hears the phase alone."""
+    stage = await open_stage()
+    participant = stage.join()
+    desk = Desk(sent_nowhere)
+    heard: list[Any] = []
+    desk.send_text = heard.append  # type: ignore[method-assign]
+    stage.room.watch(desk)
+    stage.play_to_end(serve_stations)
+    stage.room.finish_stored()
+    phases = [json.loads(text)["phase"] for text in heard if '"phase"' in text]
+    assert phases[-1] == "finished"
+    assert not any('"finished","next"' in text for text in heard)
+    assert participant.is_finished
+    assert desk.ended_with is None
+
+
+async def test_spectators_come_and_go_unnoticed_by_the_trial() -> None:
+    """Neither the journal, nor the clock, nor who takes part changes by somebody looking on."""
+    stage = await open_stage()
+    stage.join()
+    stage.room.take_batch()
+    desk = Desk(sent_nowhere)
+    stage.room.watch(desk)
+    stage.room.leave(desk, 1001)
+    assert stage.room.take_batch() is None
+    assert stage.room.is_joined
+    assert stage.room.presence.absent_s() == 0.0
+
+
+async def test_an_account_that_is_changed_sees_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Though the page stays open; a storage that does not answer for a while closes nothing."""
+    monkeypatch.setattr("server.live.watching.IDENTIFY_EVERY_S", 0.001)
+    seats, answers = Seats(), [True, True, StorageAway(), True, SignInNeeded()]
+    asked = 0
+
+    async def who() -> str:
+        nonlocal asked
+        answer = answers[min(asked, len(answers) - 1)]
+        asked += 1
+        if isinstance(answer, Exception):
+            raise answer
+        return "maria"
+
+    talk = talk_about({"t": seats})
+    talk.identify = who
+    talk.hear(HELLO)
+    await asyncio.wait_for(asyncio.shield(talk.outbox.closing), 5)
+    assert asked == len(answers)
+    assert cast("Desk", talk.outbox).ended_with == CloseCode.WRONG_ORIGIN
+    talk.leave(1000)
+    assert seats.sinks == []
 
 
 async def test_spectators_may_only_greet_and_ping() -> None:

@@ -77,7 +77,7 @@ def test_notes_are_kept_with_their_moment(
     admin.post(f"/admin/live/{trial}/note", data={"note": "stuck here", "tick": "300"})
     story = admin.get(f"/admin/participants/{code}").text
     assert "called &lt;us&gt;" in story
-    assert "trial at 10.0 s" in story
+    assert "trial-1 at 10.0 s" in story
     assert admin.post(f"/admin/live/{trial}/note", data={"note": "x", "tick": "-1"}).is_error
     assert len(audit()) == 2
 

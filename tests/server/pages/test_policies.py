@@ -47,7 +47,7 @@ def test_the_list_says_origin_scores_and_use(admin: TestClient, audit: Any) -> N
     page = words(admin.get("/admin/policies").text)
     assert f"taught {TAUGHT.sha256[:12]} from people uploaded" in page
     assert f"bred {BRED.sha256[:12]} simulated people uploaded" in page
-    assert "hamming rate before 0.0125" in page
+    assert "hamming rate 0.0125" in page
     assert f"runs {shipped_policy().name}" in page
     assert "the one that comes with the software" in page
     assert audit() == [
@@ -191,5 +191,7 @@ def test_scores_and_settings_of_the_file_are_shown(admin: TestClient) -> None:
     assert "This policy was learned from simulated people" in page
     assert json.loads(BRED.to_json())["training"]["data_sha256"] in page
     assert "settings iterations 240" in page
+    assert "habits (wish inform, replaced (none))" in page
+    assert "scores before it hamming rate 0.0125" in page
     assert "libraries numpy 2.4" in page
     assert "close m 5.0" in page

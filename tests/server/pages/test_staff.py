@@ -15,7 +15,8 @@ from starlette.testclient import TestClient
 from server.desks.accounts import AccountError, _decoy_hash, add_user, ensure_admin
 from server.settings import Settings
 from server.signin import COOKIE
-from server.store.users import find_user, list_audit
+from server.store.audit import AuditWanted, search_audit
+from server.store.users import find_user
 
 PASSWORD = "a long enough password"
 HOMES = {"admin": "/admin", "expert": "/expert"}
@@ -49,7 +50,8 @@ def sign_in(client: TestClient, role: str, password: str = PASSWORD) -> Any:
 def actions(client: TestClient, app: FastAPI) -> list[tuple[str, str]]:
     async def read() -> list[tuple[str, str]]:
         async with app.state.services.database.reading() as session:
-            return [(name, action) for _, name, action, _ in await list_audit(session, 50)]
+            found, _ = await search_audit(session, AuditWanted(), offset=0, limit=50)
+            return [(name, action) for _, name, action, _ in found]
 
     return list(call(client, read))
 

@@ -16,9 +16,9 @@ from server.export.bundle import ExportOptions, stream_export
 from server.live.learning.rows import RunVersion
 from server.live.ports import TrialResult
 from server.policy_files import shipped_policy
+from server.store.audit import AuditWanted, search_audit
 from server.store.engine import Database
 from server.store.policies import PolicyEntry
-from server.store.users import list_audit
 from study.ar.thresholds import Thresholds
 from study.config import Study
 from study.errors import InvalidValue, PolicyError
@@ -115,7 +115,8 @@ async def test_live_studies_get_simulated_policies_only_when_confirmed(
     for _ in range(2):
         await give(live, BRED, confirmed=True)
     async with database.reading() as session:
-        noted = [detail for _, _, what, detail in await list_audit(session, 9) if "activ" in what]
+        found, _ = await search_audit(session, AuditWanted(), offset=0, limit=9)
+    noted = [detail for _, _, what, detail in found if "activ" in what]
     assert noted == [f"demo: {p.name} ({p.origin}), {p.sha256}" for p in (BRED, TAUGHT)]
 
 

@@ -47,6 +47,8 @@ export class Desk {
     this.heads = describeRows(robots, stations);
     this.agent = 0;
     this.side = 0;
+    /** Whether this page's boxes are those that count. */
+    this.isLead = true;
     /** @type {string[]} what each robot or station does */
     this.statuses = new Array(robots + stations).fill("");
     /** @type {Map<number, { bits: number, until_ms: number }>} */
@@ -174,6 +176,13 @@ export class Desk {
     if (gesture) setTimeout(() => this.render(), REFUSED_MS + 20);
   }
 
+  /** This page leads, or does not: with the lead it goes over to other boxes. @param {boolean} isLead */
+  lead(isLead) {
+    if (isLead !== this.isLead) this.edits.forgetUndo();
+    this.isLead = isLead;
+    this.render();
+  }
+
   /** Begins another trial: nothing is known of it yet. */
   beginTrial() {
     this.confirmed.clear();
@@ -185,12 +194,13 @@ export class Desk {
   render(tick) {
     if (tick !== undefined) for (const [agent, until] of this.confirmed) if (tick > until) this.confirmed.delete(agent);
     const now_ms = performance.now();
+    const expert = this.isLead ? "expert" : "lead";
     this.grid.show(this.heads.map((head, agent) => {
       const refusal = this.refusals.get(agent);
       const refused = refusal && refusal.until_ms > now_ms ? refusal.bits : 0;
       const cells = head.columns.map(({ bit }) => ({ ...this.board.cell(agent, bit), refused: (refused & bit) !== 0 }));
       const confirmed = this.edits.isConfirming(agent) ? "pending" : this.confirmed.has(agent) ? "done" : "";
-      const owner = !this.board.isKnown ? "" : this.board.byExpert[agent] ? "expert" : "policy";
+      const owner = !this.board.isKnown ? "" : this.board.byExpert[agent] ? expert : "policy";
       return { status: this.statuses[agent] ?? "", chosen: agent === this.agent, owner, confirmed, cells };
     }));
   }

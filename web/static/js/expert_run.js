@@ -4,6 +4,7 @@ import { Desk } from "./expert_desk.js";
 import { COLUMNS } from "./expert/board.js";
 import { countDown, TICK_HZ, whyNotRecording } from "./expert/countdown.js";
 import { CurveBook, MEASURES } from "./expert/curves.js";
+import { describeLead } from "./expert/lead.js";
 import { countWaiting, StateTimes } from "./expert/phases.js";
 import { Connection } from "./net/connection.js";
 import { decodeExpertText, encodeConfirm, encodeEdit, encodeExpertHello, encodeHandOver, encodeTakeLead, makeClient } from "./net/expert_messages.js";
@@ -71,8 +72,8 @@ export class ExpertRun {
     this.isEnded = false;
     /** Whether the line is new, and what waits was not sent on it yet. */
     this.isCatchingUp = false;
-    /** @type {string | null} */
-    this.lead = null;
+    /** @type {string | null | undefined} client of the page that leads, null for nobody, undefined before the first word of it */
+    this.lead = undefined;
     this.still = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.notices.showNote(OPENING);
     this.connection = this.#connect();
@@ -128,11 +129,18 @@ export class ExpertRun {
       this.chart.update();
     } else if (message.type === "stored") desk?.settle(message.seq);
     else if (message.type === "refused") desk?.refuse(message.seq, message.message);
-    else if (message.type === "experts") {
-      this.lead = message.lead ?? null;
-      this.people.show(message.present, this.lead, this.client);
-    } else if (message.type === "agreement") this.people.showAgreement(message.experts);
+    else if (message.type === "experts") this.#hearExperts(message.present, message.lead ?? null);
+    else if (message.type === "agreement") this.people.showAgreement(message.experts);
     else if (message.type === "ended") this.#end(message.status);
+  }
+
+  /** @param {import("./ui/people.js").PresentExpert[]} present @param {string | null} lead */
+  #hearExperts(present, lead) {
+    const news = describeLead(this.lead, lead, this.client, present);
+    this.lead = lead;
+    this.people.show(present, lead, this.client);
+    this.desk?.lead(lead === this.client);
+    if (news) this.notices.say(news);
   }
 
   /** The line is open; the trial's welcome follows. @param {import("./net/expert_messages.js").Run} run */
@@ -205,7 +213,7 @@ export class ExpertRun {
     if (this.isEnded) this.bar.hideLine();
     else this.bar.showLine(connection.state === "open", connection.roundTrip_ms, changes);
     const reason = whyNotRecording({
-      connected: connection.state === "open", phase: this.phase, ended: this.isEnded, lead: this.lead, client: this.client,
+      connected: connection.state === "open", phase: this.phase, ended: this.isEnded, lead: this.lead,
       recording: desk?.board.recording ?? false, worker: run?.worker ?? "person",
     });
     this.bar.showRecording(reason);
@@ -221,7 +229,7 @@ export class ExpertRun {
     this.gauges.showCounts({
       pairs: progress.pairs, pairsTotal: run.pairs_per_iteration * progress.iterations, iteration: progress.iteration,
       iterations: progress.iterations, inIteration: progress.units % run.pairs_per_iteration, perIteration: run.pairs_per_iteration,
-      beta: progress.beta, ownAgents: desk.board.ownAgents, agents: desk.board.agents,
+      beta: progress.beta, byExpert: desk.board.shownByExpert, agents: desk.board.agents, isLead: desk.isLead,
     }, now_ms);
   }
 

@@ -4,7 +4,7 @@
 import { CameraPointer } from "./input/camera_pointer.js";
 import { HeldFlight } from "./input/flight.js";
 import { TickClock } from "./net/clock.js";
-import { SnapshotBuffer, turnBetween } from "./net/snapshots.js";
+import { EXTRAPOLATED_TICKS, SnapshotBuffer, turnBetween } from "./net/snapshots.js";
 import { Cameras } from "./scene/cameras.js";
 import { Marker } from "./scene/marker.js";
 import { Person } from "./scene/person.js";
@@ -41,6 +41,7 @@ export class Spectator {
     this.snapshots = new SnapshotBuffer();
     this.flight = new HeldFlight();
     this.isRunning = false;
+    this.pace = 1;
     this.frames = 0;
     this.last_ms = NaN;
     /** @type {number | null} agent with the marker */
@@ -60,9 +61,9 @@ export class Spectator {
       const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
       this.view = new HallView(this.stage, { hall: welcome.hall, robots: welcome.robots, widestAt: welcome.settings.ribbon_widest_at, still });
       this.cameras = new Cameras(welcome.hall);
-      this.clock = new TickClock(TICK_HZ * welcome.time_scale, DELAY_MS);
       this.#cameraChanged();
     }
+    this.clock ??= new TickClock(TICK_HZ * welcome.time_scale * this.pace, DELAY_MS);
     for (let robot = 0; robot < welcome.robots; robot += 1) this.view.setPlan(robot, []);
     this.welcome = welcome;
     this.snapshots.clear();
@@ -83,6 +84,12 @@ export class Spectator {
   setRunning(running) {
     if (running && !this.isRunning) this.clock?.reset();
     this.isRunning = running;
+  }
+
+  /** A replay is shown so many times as fast as it was. @param {number} times */
+  setPace(times) {
+    this.pace = times;
+    this.clock = new TickClock(TICK_HZ * (this.welcome?.time_scale ?? 1) * times, DELAY_MS);
   }
 
   /** @param {CameraMode} mode */
@@ -106,12 +113,12 @@ export class Spectator {
     if (this.view) this.view.numbersAll = !this.view.numbersAll;
   }
 
-  /** The tick that is on the screen now, fractional. */
+  /** The tick that is on the screen now, fractional; hardly ever beyond the newest that was told. */
   get tick() {
     const newest = this.snapshots.newest;
     if (!newest) return this.welcome?.tick ?? 0;
     const tick = this.isRunning ? this.clock?.drawnTick(performance.now()) : newest.tick;
-    return tick === undefined || Number.isNaN(tick) ? newest.tick : tick;
+    return tick === undefined || Number.isNaN(tick) ? newest.tick : Math.min(tick, newest.tick + EXTRAPOLATED_TICKS);
   }
 
   /** The human between two snapshots. @param {number} tick */

@@ -114,8 +114,8 @@ export class Board {
     return this.toggle(mine.map((agent) => [agent, column.bit]));
   }
 
-  /** How many agents show the expert's setting at the moment. */
-  get ownAgents() {
+  /** How many agents show the setting of the expert who leads at the moment. */
+  get shownByExpert() {
     return this.byExpert.reduce((sum, own) => sum + (own ? 1 : 0), 0);
   }
 }

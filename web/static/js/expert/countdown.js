@@ -15,7 +15,7 @@ export function countDown(tick, next, span) {
 /**
  * @typedef {object} Circumstances
  * @property {boolean} connected @property {string} phase of the trial @property {boolean} ended
- * @property {string | null} lead client @property {string} client of this page @property {boolean} recording
+ * @property {string | null | undefined} lead client; undefined while it is not known @property {boolean} recording
  * @property {"person" | "simulated"} worker
  */
 
@@ -25,7 +25,7 @@ export function whyNotRecording(now) {
   if (!now.connected) return "no connection";
   if (now.phase === "waiting") return now.worker === "person" ? "waiting for the worker" : "waiting for the simulated worker";
   if (now.phase === "paused") return "the worker is away";
-  if (now.phase === "countdown") return "starting";
+  if (now.phase === "countdown" || now.lead === undefined) return "starting";
   if (now.phase === "finished") return "between two trials";
   if (now.lead === null) return "nobody has the lead";
   return now.recording ? "" : "the lead is away";

@@ -46,6 +46,11 @@ export class Edits {
     return last ? this.#add(when, "edit", inverse(last.changes), []) : null;
   }
 
+  /** The page sets other boxes from now on: what was done to the former ones cannot be taken back in these. */
+  forgetUndo() {
+    this.undoable.length = 0;
+  }
+
   /** @param {{ trial: number, tick: number }} when @param {"edit" | "confirm"} kind @param {Change[]} changes @param {number[]} agents */
   #add({ trial, tick }, kind, changes, agents) {
     this.seq += 1;

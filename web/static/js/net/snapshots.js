@@ -5,7 +5,7 @@
 
 const SNAPSHOTS_KEPT = 24;
 /** Beyond the newest snapshot robots go on for at most this many ticks, then stand. */
-const EXTRAPOLATED_TICKS = 3;
+export const EXTRAPOLATED_TICKS = 3;
 /** A jump longer than this between two snapshots is not blended. */
 const JUMP_M = 1.5;
 

@@ -5,17 +5,19 @@ import { build } from "./dom.js";
 const NAMES = /** @type {Record<string, string>} */ ({ worker: "Worker's eyes", above: "From above", free: "Free" });
 const HINTS = /** @type {Record<string, string>} */ ({
   worker: "As the worker sees it",
-  above: "Drag moves, wheel zooms, a click chooses a row",
-  free: "Drag turns, Shift-drag moves, wheel zooms",
+  above: "Drag moves, wheel zooms, click picks",
+  free: "Drag turns, Shift moves, wheel zooms",
 });
 
 /** Buttons for the cameras. */
 export class CameraBar {
-  /** @param {HTMLElement} parent @param {readonly string[]} modes @param {{ choose: (mode: string) => void, refit: () => void, numbers: () => void }} handlers */
-  constructor(parent, modes, handlers) {
+  /** @param {HTMLElement} parent @param {readonly string[]} modes @param {{ choose: (mode: string) => void, refit: () => void, numbers: () => void }} handlers @param {Record<string, string>} [hints] that differ on this page */
+  constructor(parent, modes, handlers, hints = {}) {
     const document = parent.ownerDocument;
+    /** @type {Record<string, string>} */
+    this.hints = { ...HINTS, ...hints };
     this.buttons = modes.map((mode) => {
-      const button = build(document, "button", { type: "button", "data-mode": mode, title: HINTS[mode] ?? "" }, NAMES[mode] ?? mode);
+      const button = build(document, "button", { type: "button", "data-mode": mode, title: this.hints[mode] ?? "" }, NAMES[mode] ?? mode);
       button.addEventListener("click", () => handlers.choose(mode));
       return button;
     });
@@ -35,6 +37,6 @@ export class CameraBar {
   show(mode) {
     for (const button of this.buttons) button.setAttribute("aria-pressed", String(button.dataset.mode === mode));
     for (const extra of this.extras) extra.hidden = mode === "worker";
-    this.hint.textContent = HINTS[mode] ?? "";
+    this.hint.textContent = this.hints[mode] ?? "";
   }
 }

@@ -19,7 +19,7 @@ function circle(document, attributes) {
 const grouped = (value) => value.toLocaleString("en-GB").replaceAll(",", "\u202f");
 
 /** @typedef {{ seconds: number, share: number, reason: string, still: boolean }} RingLook reason: why there is no snapshot to wait for */
-/** @typedef {{ pairs: number, pairsTotal: number, iteration: number, iterations: number, inIteration: number, perIteration: number, beta: number, ownAgents: number, agents: number }} Counts */
+/** @typedef {{ pairs: number, pairsTotal: number, iteration: number, iterations: number, inIteration: number, perIteration: number, beta: number, byExpert: number, agents: number, isLead: boolean }} Counts isLead: the expert in question is who looks at this page */
 
 /** Ring and counters. */
 export class Gauges {
@@ -37,15 +37,17 @@ export class Gauges {
     this.caption = build(document, "p", { class: "ring-caption" }, "to the next snapshot");
     this.ring = build(document, "div", { class: "ring", role: "timer", "aria-label": "Seconds to the next snapshot" }, picture, this.seconds, this.gain);
     this.values = /** @type {Record<string, HTMLElement>} */ ({});
+    this.labels = /** @type {Record<string, HTMLElement>} */ ({});
     this.bar = build(document, "span", {});
     const counter = (/** @type {string} */ name, /** @type {string} */ label, /** @type {Node[]} */ ...more) => {
       const value = (this.values[name] = build(document, "dd", {}, "–"));
-      return build(document, "div", { class: "counter", "data-name": name }, build(document, "dt", {}, label), value, ...more);
+      const text = (this.labels[name] = build(document, "dt", {}, label));
+      return build(document, "div", { class: "counter", "data-name": name }, text, value, ...more);
     };
     const bar = build(document, "dd", { class: "within", "aria-hidden": "true" }, this.bar);
     const counters = build(
       document, "dl", { class: "counters" },
-      counter("iteration", "Iteration", bar), counter("pairs", "Pairs"), counter("beta", "β, share of your settings"), counter("own", "Agents that show yours"),
+      counter("iteration", "Iteration", bar), counter("pairs", "Pairs"), counter("beta", "β"), counter("own", "Agents"),
     );
     parent.append(build(document, "div", { class: "ring-place" }, this.ring, this.caption), counters);
     this.pairs = NaN;
@@ -72,7 +74,9 @@ export class Gauges {
     this.#write(values.pairs, `${grouped(counts.pairs)} of ${grouped(counts.pairsTotal)}`);
     this.#write(values.iteration, `${counts.iteration} of ${counts.iterations}`);
     this.#write(values.beta, counts.beta.toFixed(3));
-    this.#write(values.own, `${counts.ownAgents} of ${counts.agents}`);
+    this.#write(values.own, `${counts.byExpert} of ${counts.agents}`);
+    this.#write(this.labels.beta, counts.isLead ? "β, share of your settings" : "β, share of lead's settings");
+    this.#write(this.labels.own, counts.isLead ? "Agents that show yours" : "Agents that show the lead's");
     this.bar.style.transform = `scaleX(${counts.perIteration ? counts.inIteration / counts.perIteration : 0})`;
   }
 

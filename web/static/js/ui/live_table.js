@@ -33,7 +33,7 @@ export class LiveTable {
     socket.onclose = (event) => {
       clearInterval(pings);
       const refused = event.code >= 4400;
-      this.#say(refused ? event.reason || "The server refused this page; sign in again." : "Connection lost; the list is old. Trying again …");
+      this.#say(refused ? event.reason || "The server refused this page; sign in again." : "Connection lost; the list is old. Trying again …", true);
       if (!refused) setTimeout(() => this.#open(), RETRY_MS);
     };
   }
@@ -41,7 +41,7 @@ export class LiveTable {
   /** @param {People} message */
   #hear(message) {
     if (message.type !== "people") return;
-    this.#say("Up to date, told every second.");
+    this.#say("Up to date, told every second.", false);
     this.#set("live-total", String(message.total));
     this.#set("live-running", String(message.running));
     this.#set("live-late", String(message.late_p99_ms));
@@ -76,18 +76,18 @@ export class LiveTable {
   /** @param {HTMLTableRowElement} element @param {Row} row */
   #fill(element, row) {
     TEXTS.forEach((name, index) => {
-      const cell = element.cells[index + 1];
+      const cell = element.cells[index + 2];
       if (cell && cell.textContent !== row[name]) cell.textContent = row[name];
     });
-    const seen = element.cells[TEXTS.length + 1];
+    const seen = element.cells[TEXTS.length + 2];
     if (seen && seen.querySelector("time")?.dateTime !== row.seen) {
-      seen.replaceChildren(build(this.document, "time", { datetime: row.seen, title: row.seen }, row.seen));
+      seen.replaceChildren(build(this.document, "time", { datetime: row.seen, title: row.seen, "data-near": "" }, row.seen));
       showOwnTimes(seen);
     }
-    const watch = element.cells[TEXTS.length + 2];
+    const watch = element.cells[1];
     const address = row.trial ? `/admin/live/${row.trial}` : "";
     if (watch && (watch.querySelector("a")?.getAttribute("href") ?? "") !== address)
-      watch.replaceChildren(...(address ? [build(this.document, "a", { href: address }, `watch ${row.code}`)] : []));
+      watch.replaceChildren(...(address ? [build(this.document, "a", { href: address, "aria-label": `watch ${row.code}` }, "watch")] : []));
     return element;
   }
 
@@ -97,8 +97,9 @@ export class LiveTable {
     if (element && element.textContent !== text) element.textContent = text;
   }
 
-  /** @param {string} text */
-  #say(text) {
+  /** @param {string} text @param {boolean} isOld whether the list can no longer be trusted */
+  #say(text, isOld) {
     this.#set("live-line", text);
+    this.document.getElementById("live-line")?.classList.toggle("problem", isOld);
   }
 }

@@ -45,12 +45,12 @@ export class Notices {
     this.note.hidden = text === "";
   }
 
-  /** @param {string} text @param {boolean} [isRefusal] */
-  say(text, isRefusal = false) {
+  /** @param {string} text @param {boolean} [isRefusal] @param {number} [shown_ms] */
+  say(text, isRefusal = false, shown_ms = isRefusal ? REFUSAL_MS : TOAST_MS) {
     this.toast.textContent = text;
     this.toast.classList.toggle("refusal", isRefusal);
     this.toast.classList.add("seen");
-    this.toastUntil_ms = performance.now() + (isRefusal ? REFUSAL_MS : TOAST_MS);
+    this.toastUntil_ms = performance.now() + shown_ms;
   }
 
   /** @param {number} now_ms */
