@@ -176,7 +176,7 @@ def _row(entry: PolicyEntry, shipped: str) -> dict[str, Any]:
         "runs": entry.runs,
         "run_id": entry.run_id,
         "iteration": entry.iteration,
-        "scores": {_score(name): value for name, value in training["scores"].items()},
+        "scores": {_score(name): round(value, 4) for name, value in training["scores"].items()},
         "trials": entry.trials,
         "studies": entry.studies,
         "added_at": moment(entry.added_at),

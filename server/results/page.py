@@ -89,8 +89,8 @@ def _terms(found: Findings, size: Size) -> str:
         f"P1 to {last} are the policies after {after} iterations, so P1 shows everything and "
         f"{last} is what was learned. With boxes that `follow`, each of the expert's checkboxes "
         "takes the policy's new proposals and the expert corrects; with `independent` ones it "
-        "keeps what the expert set last. *Waiting* is the time that all robots of a trial "
-        "stood at a station, added up."
+        "keeps what the expert set last. *Waiting* is the time that all robots of a trial stood "
+        "at a station, added up."
     )
 
 

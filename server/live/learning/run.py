@@ -24,7 +24,7 @@ from server.live.learning.trainings import Trainings
 from server.live.ports import OpenTrial, TrialBatch
 from server.live.sink import Sink
 from server.live.wire import CloseCode
-from study.errors import StudyError, WrongMoment
+from study.errors import InvalidValue, StudyError, WrongMoment
 from study.learning.session import LearningSession
 
 logger = logging.getLogger(__name__)
@@ -228,6 +228,8 @@ class LearningRun:
                 await self.begin(session)
             except WrongMoment:
                 self._part("stopped")
+            except InvalidValue:
+                raise  # no waiting mends that
             except StudyError as problem:
                 logger.warning("the next trial of a run cannot begin yet: %s", problem.sentence)
                 await asyncio.sleep(wait_s)

@@ -269,6 +269,7 @@ export class ExpertRun {
     this.connection.finish();
     const { progress, addresses, desk } = this;
     const unsaved = desk?.edits.pending.length ? [`${desk.edits.pending.length} of your last changes came too late and were not stored.`] : [];
+    this.document.getElementById("worker-link")?.remove();
     this.notices.showNote("");
     this.notices.showBanner("ended", status === "finished" ? "The run is finished" : "The run was stopped", [
       `${progress?.pairs ?? 0} pairs and ${progress?.iteration ?? 0} iterations are stored.`, ...unsaved,

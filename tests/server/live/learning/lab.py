@@ -255,12 +255,5 @@ def for_person(**changes: Any) -> MemoryLearningDesk:
 
 
 def short_run(iterations: int) -> MemoryLearningDesk:
-    """The desk of a run of so many iterations."""
+    """A desk whose run has so many iterations."""
     return MemoryLearningDesk(replace(SETUP, settings=replace(SETTINGS, iterations=iterations)))
-
-
-def declutter(lab: Lab) -> None:
-    """An expert who wants nothing of robot 0."""
-    room = lab.room
-    if room.result is None and room.world.tick % 30 == 1:
-        lab.edit(room.session.up.run_tick(room.world.tick), (0, 0, 7))

@@ -8,7 +8,6 @@ import pytest
 
 from server.live import wire as live_wire
 from server.live.learning import wire
-from server.live.learning.experts import BETWEEN_TRIALS
 from server.live.learning.ports import RunEnded
 from study.learning.settings import LearningSettings
 from tests.server.live.learning.lab import (
@@ -18,11 +17,18 @@ from tests.server.live.learning.lab import (
     SETUP,
     Lab,
     MemoryLearningDesk,
-    declutter,
     for_person,
     settle,
     short_run,
 )
+from tests.server.live.stage import Listener
+
+
+def declutter(lab: Lab) -> None:
+    """An expert who wants nothing of robot 0."""
+    room = lab.room
+    if room.result is None and room.world.tick % 30 == 1:
+        lab.edit(room.session.up.run_tick(room.world.tick), (0, 0, 7))
 
 
 async def test_the_first_words_to_a_page() -> None:
@@ -117,28 +123,84 @@ async def test_a_refused_message_leaves_no_trace(
     assert lab.texts("stored") == []
 
 
-async def test_a_label_from_a_finished_trial_is_refused() -> None:
-    """Between two trials, and when the next has begun; nothing of it is stored anywhere."""
+async def test_pairs_pause_while_the_lead_is_away_and_the_world_goes_on() -> None:
+    lab = Lab()
+    await lab.start()
+    await lab.join(BEN)
+    await lab.play(8)
+    taken, tick = len(lab.desk.pairs), lab.room.world.tick
+    assert taken > 0
+    lab.leave()
+    await lab.play(8)
+    assert len(lab.desk.pairs) == taken
+    assert lab.room.world.tick >= tick + 235
+    assert not lab.texts("agents", BEN)[-1]["recording"]
+    assert lab.texts("experts", BEN)[-1]["lead"] is None
+    lab.run.take_lead(lab.seats[BEN])
+    await lab.play(8)
+    assert len(lab.desk.pairs) > taken
+
+
+async def test_the_lead_changes_hands_and_the_others_are_rated() -> None:
     lab = Lab(short_run(80))
     await lab.start()
-    for _ in range(400):
-        if lab.room.result is not None:
-            break
-        await lab.play(1, store=False)
-    late = wire.Edit(1, 0, lab.room.world.tick, ((0, 0, 1),))
-    lab.run.edit(lab.seats[ANNA], late)
+    await lab.join(BEN)
+    lab.edit(1, (0, 0, 7), client=BEN)
+    lab.run.hand_over(lab.seats[BEN], BEN)
+    assert lab.texts("experts", BEN)[-1]["lead"] == ANNA, "only who leads can hand over"
+    await lab.play(9)
+    (rated,) = lab.texts("agreement", BEN)[-1]["experts"]
+    assert rated["name"] == "ben"
+    assert rated["elements"]["live_location"]["pairs"] > 0
+    assert {rating.expert for rating in lab.desk.ratings.values()} == {"ben"}
+    lab.run.hand_over(lab.seats[ANNA], BEN)
+    assert lab.texts("experts")[-1]["lead"] == BEN
+    lab.edit(2, (0, 0, 4), client=BEN)
+    assert lab.room.session.up.boxes.masks[0] == 3, "the run's boxes are ben's now"
     await lab.play(8)
-    assert lab.room.session.up.trial == 1
-    lab.run.edit(lab.seats[ANNA], replace(late, seq=2))
+    assert {rating.expert for rating in lab.desk.ratings.values()} == {"ben", "anna"}
+
+
+async def test_a_simulated_worker_leaves_a_minute_after_the_last_expert() -> None:
+    lab = Lab()
+    await lab.start()
+    lab.leave()
+    await lab.play(58)
+    assert lab.room.phase == "running"
+    await lab.play(4)
+    assert lab.room.phase == "paused"
+    tick = lab.room.world.tick
+    await lab.play(5)
+    assert lab.room.world.tick == tick
+    await lab.join()
+    await lab.play(5)
+    assert lab.room.phase == "running"
+    assert lab.room.world.tick > tick
+
+
+async def test_a_long_stall_does_not_stop_the_simulated_worker() -> None:
+    lab = Lab()
+    await lab.start()
+    lab.clock.pass_s(60)
+    await lab.play(5)
+    assert lab.room.phase == "running"
+
+
+async def test_a_newer_connection_of_a_page_takes_its_seat() -> None:
+    lab = Lab()
+    first = await lab.start()
+    lab.edit(4, (0, 0, 1))
+    old_seat = lab.seats[ANNA]
+    second = await lab.join()
+    assert first.closed is not None
+    assert first.closed[0] == live_wire.CloseCode.TAKEN_OVER
+    lab.run.leave(old_seat)
+    assert second.texts[0]["taken_seq"] == 4
+    assert lab.texts("experts")[-1]["lead"] == ANNA
+    count = len(first.snapshots)
     await lab.play(1)
-    between, after = lab.texts("refused")
-    assert between["message"].startswith(BETWEEN_TRIALS)
-    assert "trial 1 is not the present one" in after["message"]
-    assert lab.desk.kinds(0) + lab.desk.kinds(1) == [
-        "expert_joined", "lead_changed", "expert_joined",
-    ]  # fmt: skip
-    assert lab.texts("agents")[-1]["boxes"][0] == 7
-    assert lab.texts("stored") == []
+    assert len(first.snapshots) == count
+    assert second.snapshots
 
 
 async def test_a_run_stopped_elsewhere_is_noticed_while_the_world_stands() -> None:
@@ -154,6 +216,23 @@ async def test_a_run_stopped_elsewhere_is_noticed_while_the_world_stands() -> No
     assert lab.runs.held == {}
     with pytest.raises(RunEnded):
         await lab.runs.open(RUN)
+
+
+async def test_a_person_works_as_in_any_trial() -> None:
+    """The protocol of participants: join, ready, countdown, pause on leaving."""
+    lab = Lab(for_person())
+    await lab.join()
+    room = await lab.runs.enter("token")
+    assert room is lab.room
+    worker = Listener()
+    room.join(worker)
+    assert worker.texts[0]["type"] == "welcome"
+    room.take_ready()
+    await lab.play(5)
+    assert room.phase == "running"
+    room.leave(worker, 1001)
+    assert room.phase == "paused"
+    assert lab.texts("phase")[-1]["phase"] == "paused"
 
 
 async def test_the_server_stops_and_everything_is_stored() -> None:

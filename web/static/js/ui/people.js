@@ -17,6 +17,7 @@ export class People {
     this.handlers = handlers;
     this.list = build(document, "ul", { class: "experts" });
     this.agreement = build(document, "div", { class: "agreement" });
+    this.isOver = false;
     parent.append(build(document, "h2", {}, "Experts"), this.list, this.agreement);
     this.showAgreement([]);
   }
@@ -24,6 +25,8 @@ export class People {
   /** Shows the agreement alone: nobody is here any more. */
   showNobody() {
     this.list.hidden = true;
+    this.isOver = true;
+    this.showAgreement([]);
   }
 
   /** @param {PresentExpert[]} present @param {string | null} lead @param {string} me client of this page */
@@ -52,7 +55,10 @@ export class People {
   showAgreement(experts) {
     const { document } = this;
     if (!experts.length) {
-      this.agreement.replaceChildren(build(document, "p", { class: "aside" }, "Agreement (Cohen's κ) appears once a second expert has been here at a snapshot."));
+      const text = this.isOver
+        ? "No second expert was here at a snapshot, so there is no agreement to tell."
+        : "Agreement (Cohen's κ) appears once a second expert has been here at a snapshot.";
+      this.agreement.replaceChildren(build(document, "p", { class: "aside" }, text));
       return;
     }
     const head = build(document, "tr", {}, build(document, "th", { scope: "col" }, "κ with the lead"), ...this.elements.map(({ title }) => build(document, "th", { scope: "col" }, title)));
