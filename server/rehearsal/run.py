@@ -101,7 +101,7 @@ async def rehearse(options: RehearsalOptions, site: Site, tell: Tell) -> Outcome
     Raises StudyError if the server cannot be used at all; what goes wrong later is in the outcome.
     """
     began_s = time.perf_counter()
-    options = replace(options, study_id=await _find_study(site, options.study_id))
+    options = replace(options, study_id=await find_study(site, options.study_id))
     study = await site.read_json(f"/api/v1/studies/{options.study_id}")
     await asyncio.to_thread(options.out.mkdir, parents=True, exist_ok=True)
     stories = await _take_part(options, site, tell)
@@ -119,14 +119,19 @@ async def rehearse(options: RehearsalOptions, site: Site, tell: Tell) -> Outcome
     return Outcome(stories, checks, time.perf_counter() - began_s, problems)
 
 
-async def _find_study(site: Site, wanted: str) -> str:
+async def find_study(site: Site, wanted: str) -> str:
     """The study to rehearse; raises InvalidValue naming those there are if it is not clear."""
     known = [str(study["study_id"]) for study in await site.read_json("/api/v1/studies")]
     if wanted in known or (not wanted and len(known) == 1):
         return wanted or known[0]
+    if not known:
+        raise InvalidValue(
+            f"{site.url} has no study",
+            next_step="Start the server with one: varil serve --study FILE.",
+        )
+    what = f"has no study “{wanted[:40]}”" if wanted else "has several studies"
     raise InvalidValue(
-        f"{site.url} has no study “{wanted[:40]}”" if wanted else f"{site.url} has several studies",
-        next_step=f"Name one with --study: {', '.join(known) or 'there is none yet'}.",
+        f"{site.url} {what}", next_step=f"Name one with --study: {', '.join(known)}."
     )
 
 

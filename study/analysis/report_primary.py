@@ -70,7 +70,8 @@ def _describe_model(model: LogModel) -> str:
         how = (
             f"Linear mixed model of log(sum_wait_s) on {effects} with a random intercept per "
             "participant (restricted maximum likelihood), t tests on "
-            f"{model.df} residual degrees of freedom within participants"
+            f"{model.df} residual degrees of freedom within participants (had the fit been "
+            "singular, participants would have become fixed effects)"
         )
     else:
         how = (

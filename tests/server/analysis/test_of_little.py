@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -59,7 +60,7 @@ def test_constant_data_and_ties_are_told_apart_from_no_difference(tmp_path: Path
 
 @pytest.mark.usefixtures("undrawn")
 def test_missing_trials_leave_the_participant_out(tmp_path: Path) -> None:
-    """A trial away, one without a figure: each measure counts whom it can."""
+    """A trial away, one without a figure: each measure counts whom it can, and names its rows."""
     bundle = make_bundle(6)
     bundle.tables["trials"][3]["sum_wait_s"] = ""
     del bundle.tables["trials"][0]
@@ -69,6 +70,14 @@ def test_missing_trials_leave_the_participant_out(tmp_path: Path) -> None:
     assert "trial 1 has no sum_wait_s" in text
     rows = pd.read_csv(tmp_path / "out/tables/anova.csv")
     assert list(rows["n"]) == [5, 5]
+    tables = json.loads((tmp_path / "out/results.json").read_text())["tables"]
+    assert tables["team_descriptives"]["rows_behind"].endswith(
+        ": 12 rows of 4 participants for the total waiting time; "
+        "15 rows of 5 participants for the sum of completion times; "
+        "15 rows of 5 participants for the time of the slowest robot"
+    )
+    assert tables["anova"]["rows_behind"].endswith(": 15 rows of 5 participants")
+    assert tables["primary_contrasts"]["rows_behind"].endswith(": 12 rows of 4 participants")
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -79,6 +88,13 @@ def test_a_wait_of_zero_costs_one_participant_not_the_analysis(tmp_path: Path) -
     assert summary["analysed"] == 6
     assert "a value of 0 has no logarithm: P0000" in text
     assert pd.read_csv(tmp_path / "out/tables/primary_contrasts.csv")["n"].eq(5).all()
+    power = pd.read_csv(tmp_path / "out/tables/detectable.csv")
+    assert power["sum_wait_s"].between(0, 1, inclusive="neither").all()
+    tables = json.loads((tmp_path / "out/results.json").read_text())["tables"]
+    for name in ("order_tests", "detectable"):
+        behind = tables[name]["rows_behind"]
+        assert ": 15 rows of 5 participants for the total waiting time; 18 rows of 6" in behind
+    assert tables["position_ratios"]["rows_behind"].endswith(": 15 rows of 5 participants")
 
 
 @pytest.mark.usefixtures("undrawn")

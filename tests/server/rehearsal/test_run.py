@@ -18,12 +18,13 @@ import uvicorn
 from server.app import create_app
 from server.desks.accounts import add_user
 from server.live.line import LineProtocol
-from server.rehearsal.run import RehearsalOptions, cast_roles, rehearse
+from server.rehearsal.run import RehearsalOptions, cast_roles, find_study, rehearse
 from server.rehearsal.site import Site, SiteError
 from server.settings import Settings
 from server.store.engine import Database
 from server.store.schema import migrate
 from study.config import Study
+from study.errors import InvalidValue
 from tests.server.analysis.recomputed import check_analysis
 
 PASSWORD = "rehearse-me-now"
@@ -88,6 +89,33 @@ def test_roles_follow_the_seed_and_the_shares() -> None:
     assert sum(role.reloads for role in roles) == 12
     assert cast_roles(options) == roles
     assert cast_roles(RehearsalOptions("http://x", 60, 6, Path("out"))) != roles
+
+
+@pytest.mark.parametrize(
+    ("known", "wanted", "told"),
+    [
+        (["a"], "", "a"),
+        (["a", "b"], "b", "b"),
+        (["a", "b"], "", "has several studies. Name one with --study: a, b."),
+        (["a", "b"], "c", "has no study “c”. Name one with --study: a, b."),
+        ([], "", "has no study. Start the server with one: varil serve --study FILE."),
+    ],
+)
+async def test_the_only_study_need_not_be_named(
+    known: list[str], wanted: str, told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The error tells the names there are."""
+
+    async def answer(site: Site, path: str) -> list[dict[str, str]]:
+        assert path == "/api/v1/studies"
+        return [{"study_id": name} for name in known]
+
+    monkeypatch.setattr(Site, "read_json", answer)
+    try:
+        found = await find_study(Site("http://x"), wanted)
+    except InvalidValue as error:
+        found = error.sentence
+    assert found.endswith(told)
 
 
 def _read(bundle: zipfile.ZipFile, name: str) -> list[dict[str, str]]:
