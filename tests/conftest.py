@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import shutil
 import uuid
 from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
@@ -41,15 +42,27 @@ def settings(tmp_path: Path) -> Settings:
     return Settings(var_dir=tmp_path / "var")
 
 
+@pytest.fixture(scope="session")
+def migrated_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A SQLite file with the current schema, made once: a copy is quicker than all migrations."""
+    file = tmp_path_factory.mktemp("migrated") / "empty.sqlite3"
+    asyncio.run(_migrate(f"sqlite:///{file}"))
+    return file
+
+
 @pytest.fixture
-def app(settings: Settings, study: Study, monkeypatch: pytest.MonkeyPatch) -> FastAPI:
-    """The app on a fresh SQLite file. The world is not compiled ahead: pages do not need it."""
+def app(
+    settings: Settings, study: Study, migrated_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> FastAPI:
+    """The app on a fresh SQLite file. Nothing is compiled or loaded ahead: pages do not need it."""
 
     async def compile_nothing(folder: Path) -> None:
         del folder
 
     monkeypatch.setattr("server.app.prepare_kernels", compile_nothing)
-    asyncio.run(_migrate(settings.database))
+    monkeypatch.setattr("server.app.PoolTrainer.warm_up", lambda self: None)
+    settings.var_dir.mkdir(parents=True)
+    shutil.copy(migrated_file, settings.var_dir / "varil.sqlite3")
     return create_app(settings, [study])
 
 
@@ -73,6 +86,14 @@ def postgres_server() -> Iterator[str]:
         yield server.url
 
 
+@pytest.fixture(scope="session")
+def postgres_template(postgres_server: str) -> str:
+    """Name of a PostgreSQL database with the current schema, for others to be made like it."""
+    asyncio.run(_create_database(postgres_server, "migrated"))
+    asyncio.run(_migrate(f"{postgres_server}/migrated"))
+    return "migrated"
+
+
 @pytest.fixture
 def postgres_url(postgres_server: str) -> str:
     """Address of an empty PostgreSQL database."""
@@ -90,10 +111,27 @@ def empty_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
 
 
 @pytest.fixture
-async def database(empty_url: str) -> AsyncIterator[Database]:
+def postgres_migrated(postgres_server: str, postgres_template: str) -> str:
+    """Address of a PostgreSQL database with the current schema and nothing in it."""
+    name = f"test_{uuid.uuid4().hex}"
+    asyncio.run(_create_database(postgres_server, name, postgres_template))
+    return f"{postgres_server}/{name}"
+
+
+@pytest.fixture(params=["sqlite", pytest.param("postgresql", marks=pytest.mark.postgres)])
+def migrated_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    """Address of a database with the current schema and nothing in it, of each kind in turn."""
+    if request.param == "sqlite":
+        file = tmp_path / "test.sqlite3"
+        shutil.copy(request.getfixturevalue("migrated_file"), file)
+        return f"sqlite:///{file}"
+    return str(request.getfixturevalue("postgres_migrated"))
+
+
+@pytest.fixture
+async def database(migrated_url: str) -> AsyncIterator[Database]:
     """A database with the current schema, of each kind in turn."""
-    opened = Database(empty_url)
-    await migrate(opened)
+    opened = Database(migrated_url)
     yield opened
     await opened.close()
 
@@ -104,11 +142,11 @@ async def _migrate(url: str) -> None:
     await database.close()
 
 
-async def _create_database(server: str, name: str) -> None:
+async def _create_database(server: str, name: str, template: str = "template1") -> None:
     engine = create_async_engine(
         server.replace("postgresql:", "postgresql+asyncpg:") + "/postgres",
         isolation_level="AUTOCOMMIT",
     )
     async with engine.connect() as connection:
-        await connection.execute(text(f"CREATE DATABASE {name}"))
+        await connection.execute(text(f"CREATE DATABASE {name} TEMPLATE {template}"))
     await engine.dispose()

@@ -8,6 +8,7 @@ import hashlib
 import io
 import itertools
 import json
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -20,7 +21,6 @@ from sqlalchemy import select, text
 from server.export.bundle import ExportOptions, stream_export, write_export
 from server.settings import Settings
 from server.store.engine import Database
-from server.store.schema import migrate
 from server.store.tables import StoredPolicy, Trial
 from study.config import Study
 from study.files.demo import paper_study
@@ -37,9 +37,8 @@ def study() -> Study:
 
 
 @pytest.fixture
-async def site(tmp_path: Path, study: Study, make_result: MakeResult) -> Any:
-    database = Database(f"sqlite:///{tmp_path / 'a.sqlite3'}")
-    await migrate(database)
+async def site(tmp_path: Path, study: Study, make_result: MakeResult, migrated_file: Path) -> Any:
+    database = Database(f"sqlite:///{shutil.copy(migrated_file, tmp_path / 'a.sqlite3')}")
     site = Site(database, study, make_result)
     await site.people.register_studies()
     yield site

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import io
 import json
+import shutil
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from server.export.bundle import ExportOptions, stream_export, write_export
 from server.export.items import study_items
 from server.settings import Settings
 from server.store.engine import Database
-from server.store.schema import SchemaMismatch, migrate
+from server.store.schema import SchemaMismatch
 from server.store.tables import (
     Participant,
     Response,
@@ -114,7 +115,6 @@ People = list[tuple[int, str, str, str]]
 async def add_people(url: str, people: People, study: Study, make_result: MakeResult) -> None:
     """Let them take part as far as told, then hold the export against the database."""
     database = Database(url)
-    await migrate(database)
     site = Site(database, study, make_result)
     await site.people.register_studies()
     for steps, rating, remark, end in people:
@@ -140,10 +140,11 @@ def test_the_export_equals_the_database(
     study: Study,
     make_result: MakeResult,
     tmp_path_factory: pytest.TempPathFactory,
+    migrated_file: Path,
 ) -> None:
     """People who leave anywhere, withdraw or not, are excluded or erased, and write anything."""
-    url = f"sqlite:///{tmp_path_factory.mktemp('export')}/a.sqlite3"
-    asyncio.run(add_people(url, people, study, make_result))
+    file = shutil.copy(migrated_file, tmp_path_factory.mktemp("export") / "a.sqlite3")
+    asyncio.run(add_people(f"sqlite:///{file}", people, study, make_result))
 
 
 @pytest.mark.postgres
@@ -152,10 +153,10 @@ def test_the_export_equals_the_database(
     max_examples=6, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 def test_the_export_equals_the_database_on_postgresql(
-    people: People, study: Study, make_result: MakeResult, postgres_url: str
+    people: People, study: Study, make_result: MakeResult, postgres_migrated: str
 ) -> None:
     """Every example adds its people to those before."""
-    asyncio.run(add_people(postgres_url, people, study, make_result))
+    asyncio.run(add_people(postgres_migrated, people, study, make_result))
 
 
 async def test_a_whole_participation_on_each_kind_of_database(site: Site) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import shutil
 import socket
 from collections.abc import AsyncIterator
 from datetime import UTC, datetime
@@ -22,8 +23,6 @@ from server.live.learning.trainer import PoolTrainer
 from server.live.line import LineProtocol
 from server.settings import Settings
 from server.signin import COOKIE
-from server.store.engine import Database
-from server.store.schema import migrate
 from server.store.users import find_user, store_user
 from study.files.demo import paper_study
 from study.learning.settings import LearningSettings
@@ -97,7 +96,9 @@ async def serve(settings: Settings) -> AsyncIterator[Site]:
 
 
 @pytest.fixture
-async def settings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Settings:
+async def settings(
+    tmp_path: Path, migrated_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> Settings:
     async def compile_nothing(folder: Path) -> None:
         del folder
 
@@ -105,9 +106,8 @@ async def settings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Settings:
     monkeypatch.setattr("server.live.learning.room.CHECK_EVERY_S", 0.2)
     monkeypatch.setattr(PoolTrainer, "warm_up", lambda self: None)
     settings = Settings(var_dir=tmp_path / "var", time_scale=4.0)
-    database = Database(settings.database)
-    await migrate(database)
-    await database.close()
+    settings.var_dir.mkdir()
+    shutil.copy(migrated_file, settings.var_dir / "varil.sqlite3")
     return settings
 
 
