@@ -26,14 +26,6 @@ ROOT = Path(__file__).parent.parent.parent
 TAP = (Path(__file__).parent / "trial_tap.js").read_text()
 ADMIN_PASSWORD = "a-password-for-tests"
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-# Software rendering would take a whole core for pictures that nobody looks at.
-FEW_FRAMES = """
-{
-  const draw = window.requestAnimationFrame.bind(window);
-  window.requestAnimationFrame = (step) =>
-    document.getElementById("stage") ? setTimeout(() => draw(step), 200) : draw(step);
-}
-"""
 FLAGS = (
     "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
     "--no-first-run", "--disable-background-networking", "--disable-component-update",
@@ -62,14 +54,6 @@ def browser_type_launch_args() -> dict[str, Any]:
 def browser_context_args() -> dict[str, Any]:
     """A small window: software rendering draws a few frames a second."""
     return {"viewport": {"width": 640, "height": 360}}
-
-
-@pytest.fixture
-def context(new_context: Callable[..., BrowserContext]) -> BrowserContext:
-    """A fresh profile whose worlds are drawn a few times a second."""
-    fresh = new_context()
-    fresh.add_init_script(FEW_FRAMES)
-    return fresh
 
 
 @dataclass(frozen=True)
@@ -158,7 +142,7 @@ def tapped_context(
     """A browser profile whose pages let the tests hear their sockets."""
     fresh = browser.new_context(**browser_context_args)
     fresh.set_default_timeout(60_000)
-    fresh.add_init_script(FEW_FRAMES + TAP)
+    fresh.add_init_script(TAP)
     yield fresh
     fresh.close()
 

@@ -16,7 +16,7 @@ from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page, expect
 
 from browser.bystander import Bystander, take_part
-from browser.conftest import ADMIN_PASSWORD, FEW_FRAMES, Server
+from browser.conftest import ADMIN_PASSWORD, Server
 from browser.joining import join_and_go_to
 from study.records.tables import neutralise_formula
 from tests.server.export.site import read_tables
@@ -32,7 +32,6 @@ NOTE = "=stands at the start"
 def admin(browser: Browser, practice_server: Server) -> Iterator[Page]:
     """The page of somebody signed in as an administrator; no script of it may fail."""
     context = browser.new_context(viewport={"width": 720, "height": 440})
-    context.add_init_script(FEW_FRAMES)
     context.set_default_timeout(60_000)
     page = context.new_page()
     faults: list[str] = []

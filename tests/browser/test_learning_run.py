@@ -15,7 +15,7 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page, expect
 
-from browser.conftest import ADMIN_PASSWORD, FEW_FRAMES, TAP, Server
+from browser.conftest import ADMIN_PASSWORD, TAP, Server
 from browser.expert_page import facts, sign_in, start_run
 
 ROBOTS, STATIONS = 6, 4
@@ -40,7 +40,7 @@ def windows(browser: Browser) -> Iterator[tuple[Page, Page]]:
     contexts = [browser.new_context(viewport=size) for size in sizes]  # type: ignore[arg-type]
     for context in contexts:
         context.set_default_timeout(60_000)
-        context.add_init_script(FEW_FRAMES + TAP)
+        context.add_init_script(TAP)
     yield contexts[0].new_page(), contexts[1].new_page()
     for context in contexts:
         context.close()
