@@ -178,12 +178,14 @@ def test_a_dropped_line_pauses_the_world_and_comes_back_by_itself(
     stage = trial.locator("#stage")
     sockets = trial.evaluate("() => tap.sockets.length")
     tapped_context.set_offline(True)
-    trial.evaluate("() => tap.sockets.at(-1).close()")
-    expect(stage).to_have_attribute("data-connection", "lost")
-    expect(trial.get_by_role("heading", name="Connection lost")).to_be_visible()
-    dropped_at = last_place(trial)["tick"]
-    trial.wait_for_function("n => tap.sockets.length >= n + 2", arg=sockets)
-    tapped_context.set_offline(False)
+    try:
+        trial.evaluate("() => tap.sockets.at(-1).close()")
+        expect(stage).to_have_attribute("data-connection", "lost")
+        expect(trial.get_by_role("heading", name="Connection lost")).to_be_visible()
+        dropped_at = last_place(trial)["tick"]
+        trial.wait_for_function("n => tap.sockets.length >= n + 2", arg=sockets)
+    finally:
+        tapped_context.set_offline(False)
     expect(stage).to_have_attribute("data-connection", "open")
     wait_for_running(trial)
     resumed_at = trial.evaluate("() => tap.welcomes.at(-1)")
